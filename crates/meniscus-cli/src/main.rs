@@ -1,0 +1,3 @@
+//! The command line: arguments → validated job → command → exit code.
+
+fn main() {}

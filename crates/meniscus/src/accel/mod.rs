@@ -1,0 +1,71 @@
+//! Acceleration structures: boxes in, candidates out.
+
+pub mod cells;
+pub mod supports;
+
+/// Which structure and solver answers rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Engine {
+    /// Disjoint boxes that contain the surface; see [`cells`].
+    #[default]
+    Cells,
+    /// All supports along the ray, sorted, one Bézier polynomial per interval; see [`supports`].
+    Sweep,
+}
+
+impl Engine {
+    /// Every engine.
+    pub const ALL: [Self; 2] = [Self::Cells, Self::Sweep];
+
+    /// The name in files and flags.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cells => "cells",
+            Self::Sweep => "sweep",
+        }
+    }
+
+    /// The engine of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|engine| engine.name() == name)
+    }
+}
+
+/// The structure of one blob field for one engine.
+#[derive(Debug)]
+pub enum Accel {
+    /// For [`Engine::Cells`].
+    Cells(cells::Cells),
+    /// For [`Engine::Sweep`].
+    Sweep(supports::SupportTree),
+}
+
+impl Accel {
+    /// Builds the structure; `level` is the SIMD level it will be traversed with.
+    pub fn build(
+        engine: Engine,
+        field: &crate::field::BlobField,
+        level: crate::math::simd::Level,
+    ) -> Self {
+        match engine {
+            Engine::Cells => Self::Cells(cells::Cells::build(field, level)),
+            Engine::Sweep => Self::Sweep(supports::SupportTree::build(field)),
+        }
+    }
+
+    /// The engine that this structure serves.
+    pub fn engine(&self) -> Engine {
+        match self {
+            Self::Cells(_) => Engine::Cells,
+            Self::Sweep(_) => Engine::Sweep,
+        }
+    }
+
+    /// Memory that the structure holds, without the field.
+    pub fn structure_bytes(&self) -> usize {
+        match self {
+            Self::Cells(cells) => cells.structure_bytes(),
+            Self::Sweep(tree) => tree.structure_bytes(),
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The scalar field F(x) = Σ wᵢ k(qᵢ(x)) of a particle set, packed for the engines.
+//!
+//! "Local" coordinates are the object's own minus [`BlobField::origin`]: small numbers that f32 can
+//! carry even for a cloud a million units away.
+
+use crate::kernel::Kernel;
+use crate::math::aabb::Aabb;
+use crate::primitive::Shapes;
+use glam::{DVec3, Vec3};
+
+/// A column that is blended on the surface by field weight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldAttribute {
+    /// The column's name.
+    pub name: String,
+    /// Numbers per blob.
+    pub components: usize,
+    /// The numbers, blob by blob.
+    pub data: Vec<f32>,
+}
+
+/// A weighted sum of blobs and its threshold; flat arrays, one entry per blob.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlobField {
+    /// Kernel of every blob.
+    pub kernel: Kernel,
+    /// The surface is F = threshold; inside is F > threshold.
+    pub threshold: f32,
+    /// Object-space position of the local origin.
+    pub origin: DVec3,
+    /// Local centres.
+    pub centers: Vec<[f32; 3]>,
+    /// Supports.
+    pub shapes: Shapes,
+    /// Weights wᵢ, finite, never 0.
+    pub weights: Vec<f32>,
+    /// The particle's row in its file.
+    pub rows: Vec<u32>,
+    /// Columns to blend.
+    pub attributes: Vec<FieldAttribute>,
+    /// Median distance of nearest neighbours: the length that tolerances are stated in.
+    pub spacing: f32,
+}
+
+impl BlobField {
+    /// Number of blobs.
+    pub fn len(&self) -> usize {
+        self.centers.len()
+    }
+
+    /// Whether there is no blob.
+    pub fn is_empty(&self) -> bool {
+        self.centers.is_empty()
+    }
+
+    /// Local centre of blob `i`.
+    pub fn center(&self, i: usize) -> Vec3 {
+        Vec3::from_array(self.centers[i])
+    }
+
+    /// Local box around the support of blob `i`.
+    pub fn support_box(&self, i: usize) -> Aabb {
+        let half = Vec3::from_array(self.shapes.half_extents(i));
+        Aabb {
+            min: self.center(i) - half,
+            max: self.center(i) + half,
+        }
+    }
+
+    /// Local box around all supports: the field is 0 outside.
+    pub fn bounds(&self) -> Aabb {
+        (0..self.len()).fold(Aabb::EMPTY, |bounds, i| bounds.union(self.support_box(i)))
+    }
+
+    /// Whether any weight is negative, which switches off every bound that assumes a growing sum.
+    pub fn has_negative_weights(&self) -> bool {
+        self.weights.iter().any(|&w| w < 0.0)
+    }
+}

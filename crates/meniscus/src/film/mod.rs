@@ -1,0 +1,1 @@
+//! The film: named channels, pixel filter, tone curve, image files.

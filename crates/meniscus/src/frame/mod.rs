@@ -1,0 +1,84 @@
+//! A scene at one shutter: immutable flat arrays that every backend reads.
+//!
+//! A [`Frame`] is a list of instances of surfaces. Every kind of [`Geometry`] answers the same
+//! questions (closest hit, any hit, crossings, side, bounds) in `intersect/`.
+
+use crate::accel::{Accel, Engine};
+use crate::field::BlobField;
+use crate::math::simd::Level;
+use glam::{DAffine3, DVec3};
+
+/// A blob field with the structure that traces it.
+#[derive(Debug)]
+pub struct Blobs {
+    /// The field.
+    pub field: BlobField,
+    /// Its acceleration structure.
+    pub accel: Accel,
+    /// The SIMD level that rays run on.
+    pub level: Level,
+}
+
+impl Blobs {
+    /// Builds the structure of `field` for `engine`.
+    pub fn build(field: BlobField, engine: Engine, level: Level) -> Self {
+        let accel = Accel::build(engine, &field, level);
+        Self {
+            field,
+            accel,
+            level,
+        }
+    }
+}
+
+/// An infinite plane; its inside is the half space below it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// A point on the plane, object space.
+    pub point: DVec3,
+    /// Unit normal, pointing outside.
+    pub normal: DVec3,
+}
+
+/// What a surface is made of.
+#[derive(Debug)]
+pub enum Geometry {
+    /// The isosurface of a blob field.
+    Blobs(Box<Blobs>),
+    /// A plane.
+    Plane(Plane),
+}
+
+/// A surface placed in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// Index into [`Frame::geometries`].
+    pub geometry: u32,
+    /// Object to world.
+    pub world_from_object: DAffine3,
+    /// World to object.
+    pub object_from_world: DAffine3,
+    /// Index into the scene's materials.
+    pub material: u32,
+}
+
+impl Instance {
+    /// A geometry placed by `world_from_object`, which must be invertible.
+    pub fn new(geometry: u32, world_from_object: DAffine3, material: u32) -> Self {
+        Self {
+            geometry,
+            world_from_object,
+            object_from_world: world_from_object.inverse(),
+            material,
+        }
+    }
+}
+
+/// Everything a backend needs to answer rays at one shutter.
+#[derive(Debug, Default)]
+pub struct Frame {
+    /// Distinct geometries.
+    pub geometries: Vec<Geometry>,
+    /// Their placements; a hit's `surface` is an index into this list.
+    pub instances: Vec<Instance>,
+}

@@ -1,0 +1,8 @@
+//! Numbers, vectors, boxes, rays and SIMD lanes: no knowledge of particles or scenes.
+
+pub mod aabb;
+pub mod number;
+pub mod ray;
+pub mod simd;
+
+pub use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};

@@ -1,0 +1,69 @@
+//! SIMD levels: which instruction set the engine runs on, chosen once at run time.
+
+pub use fearless_simd::Level;
+
+/// A level by name, as `--simd` takes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SimdLevel {
+    /// The widest that the machine has.
+    #[default]
+    Auto,
+    /// SSE2 on x86-64, plain scalar code elsewhere.
+    Baseline,
+    /// SSE4.2.
+    Sse42,
+    /// AVX2 with FMA.
+    Avx2,
+    /// AVX-512 (Ice Lake set).
+    Avx512,
+    /// NEON (AArch64).
+    Neon,
+}
+
+impl SimdLevel {
+    /// Every level with its command-line name.
+    pub const ALL: [(&'static str, Self); 6] = [
+        ("auto", Self::Auto),
+        ("baseline", Self::Baseline),
+        ("sse4.2", Self::Sse42),
+        ("avx2", Self::Avx2),
+        ("avx512", Self::Avx512),
+        ("neon", Self::Neon),
+    ];
+
+    /// The level as the engine takes it, or `None` where this machine lacks it.
+    pub fn resolve(self) -> Option<Level> {
+        let best = Level::new();
+        match self {
+            Self::Auto => Some(best),
+            Self::Baseline => Some(Level::baseline()),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Sse42 => best.as_sse4_2().map(Level::Sse4_2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx2 => best.as_avx2().map(Level::Avx2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx512 => best.as_avx512().map(Level::Avx512),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => best.as_neon().map(Level::Neon),
+            #[allow(unreachable_patterns, reason = "the other architectures' levels")]
+            _ => None,
+        }
+    }
+}
+
+/// The name of a resolved level, as `--stats` prints it.
+pub fn level_name(level: Level) -> &'static str {
+    match level {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Sse2(_) => "sse2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Sse4_2(_) => "sse4.2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx2(_) => "avx2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx512(_) => "avx512",
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon(_) => "neon",
+        _ => "baseline",
+    }
+}
