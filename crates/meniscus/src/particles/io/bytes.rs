@@ -1,0 +1,161 @@
+//! What several readers need: numbers in either byte order, columns from tables of bytes.
+
+use super::{ParseError, Place};
+use crate::particles::{Column, ColumnData, Particles};
+use glam::DVec3;
+
+/// The number types that files store.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F32,
+    F64,
+}
+
+/// Byte order of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Endian {
+    Little,
+    Big,
+}
+
+/// Runs `$body` with `$type` bound to the Rust type of a [`Scalar`].
+macro_rules! with_scalar {
+    ($scalar:expr, $type:ident => $body:expr) => {
+        match $scalar {
+            $crate::particles::io::bytes::Scalar::I8 => {
+                type $type = i8;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::U8 => {
+                type $type = u8;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::I16 => {
+                type $type = i16;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::U16 => {
+                type $type = u16;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::I32 => {
+                type $type = i32;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::U32 => {
+                type $type = u32;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::I64 => {
+                type $type = i64;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::U64 => {
+                type $type = u64;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::F32 => {
+                type $type = f32;
+                $body
+            }
+            $crate::particles::io::bytes::Scalar::F64 => {
+                type $type = f64;
+                $body
+            }
+        }
+    };
+}
+
+impl Scalar {
+    /// Size in bytes.
+    pub(super) fn size(self) -> usize {
+        with_scalar!(self, T => std::mem::size_of::<T>())
+    }
+
+    /// Decodes `components` neighbouring numbers at `offset` of each record of `stride` bytes.
+    ///
+    /// `records` must hold whole records, and `offset + components · size ≤ stride`.
+    pub(super) fn gather(
+        self,
+        records: &[u8],
+        stride: usize,
+        offset: usize,
+        components: usize,
+        endian: Endian,
+    ) -> ColumnData {
+        with_scalar!(self, T => {
+            const SIZE: usize = std::mem::size_of::<T>();
+            let decode = match endian {
+                Endian::Little => T::from_le_bytes,
+                Endian::Big => T::from_be_bytes,
+            };
+            let mut values = Vec::with_capacity(records.len() / stride * components);
+            for record in records.chunks_exact(stride) {
+                let field = &record[offset..offset + components * SIZE];
+                let (numbers, _) = field.as_chunks::<SIZE>();
+                values.extend(numbers.iter().map(|&number| decode(number)));
+            }
+            values.into()
+        })
+    }
+
+    /// Decodes one number as f64.
+    #[allow(
+        clippy::unnecessary_cast,
+        reason = "one of the ten types is f64 itself"
+    )]
+    pub(super) fn decode(self, bytes: &[u8], endian: Endian) -> Option<f64> {
+        with_scalar!(self, T => {
+            let number = *bytes.first_chunk::<{ std::mem::size_of::<T>() }>()?;
+            Some(match endian {
+                Endian::Little => T::from_le_bytes(number),
+                Endian::Big => T::from_be_bytes(number),
+            } as f64)
+        })
+    }
+}
+
+/// Positions from three columns of one component.
+pub(super) fn positions_from_axes(x: &ColumnData, y: &ColumnData, z: &ColumnData) -> Vec<DVec3> {
+    match (x, y, z) {
+        (ColumnData::F32(x), ColumnData::F32(y), ColumnData::F32(z)) => x
+            .iter()
+            .zip(y)
+            .zip(z)
+            .map(|((&x, &y), &z)| DVec3::new(x.into(), y.into(), z.into()))
+            .collect(),
+        _ => (0..x.len().min(y.len()).min(z.len()))
+            .map(|i| DVec3::new(x.get(i), y.get(i), z.get(i)))
+            .collect(),
+    }
+}
+
+/// Particles from positions and columns that have as many rows; the row numbers are u32.
+pub(super) fn assemble(
+    positions: Vec<DVec3>,
+    columns: Vec<Column>,
+) -> Result<Particles, ParseError> {
+    if u32::try_from(positions.len()).is_err() {
+        return Err(ParseError::new(
+            Place::Whole,
+            format!("{} particles are more than 2³² − 1", positions.len()),
+        )
+        .with_help("split the file"));
+    }
+    debug_assert!(
+        columns
+            .iter()
+            .all(|column| column.rows() == positions.len())
+    );
+    let mut particles = Particles::from_positions(positions);
+    particles.columns = columns;
+    Ok(particles)
+}
