@@ -105,6 +105,12 @@ impl Blobs {
 
     /// Every crossing of an object-space ray, in order, appended to `crossings`.
     pub fn crossings(&self, ray: &Ray, scratch: &mut Scratch, crossings: &mut Vec<Crossing>) {
+        if let Accel::Sweep(tree) = &self.accel {
+            if ray.is_traceable() {
+                sweep::crossings(self, tree, ray, scratch, crossings);
+            }
+            return;
+        }
         let mut rest = *ray;
         while let Some(hit) = self.closest(&rest, scratch) {
             crossings.push(Crossing {
