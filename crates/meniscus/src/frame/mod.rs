@@ -3,9 +3,14 @@
 //! A [`Frame`] is a list of instances of surfaces. Every kind of [`Geometry`] answers the same
 //! questions (closest hit, any hit, crossings, side, bounds) in `intersect/`.
 
+pub mod looks;
+
+pub use looks::{BaseColor, Coloring, Component, GroundLook, Light, Material};
+
 use crate::accel::{Accel, Engine};
 use crate::field::BlobField;
 use crate::math::simd::Level;
+use crate::scene::Background;
 use glam::{DAffine3, DVec3};
 
 /// A blob field with the structure that traces it.
@@ -58,7 +63,7 @@ pub struct Instance {
     pub world_from_object: DAffine3,
     /// World to object.
     pub object_from_world: DAffine3,
-    /// Index into the scene's materials.
+    /// Index into [`Frame::materials`].
     pub material: u32,
 }
 
@@ -75,10 +80,34 @@ impl Instance {
 }
 
 /// Everything a backend needs to answer rays at one shutter.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Frame {
     /// Distinct geometries.
     pub geometries: Vec<Geometry>,
     /// Their placements; a hit's `surface` is an index into this list.
     pub instances: Vec<Instance>,
+    /// Materials that instances refer to.
+    pub materials: Vec<Material>,
+    /// Lights.
+    pub lights: Vec<Light>,
+    /// Unit up direction of the world: of the sky and the ground.
+    pub up: DVec3,
+    /// The ground, if there is one.
+    pub ground: Option<GroundLook>,
+    /// What the user wants behind the surfaces; unset, the output's own default.
+    pub background: Option<Background>,
+}
+
+impl Default for Frame {
+    fn default() -> Self {
+        Self {
+            geometries: Vec::new(),
+            instances: Vec::new(),
+            materials: Vec::new(),
+            lights: Vec::new(),
+            up: DVec3::Y,
+            ground: None,
+            background: None,
+        }
+    }
 }

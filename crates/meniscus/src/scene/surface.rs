@@ -1,7 +1,9 @@
 //! What turns particles into a surface: support, kernel, threshold, weights.
 
+use super::colormap::ColorMap;
 use crate::kernel::Kernel;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// How much each particle counts in the field.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -82,6 +84,128 @@ impl Default for BlobSettings {
             weights: Weights::Volume,
             filter: None,
             attributes: Vec::new(),
+        }
+    }
+}
+
+impl BlobSettings {
+    /// What molecules start from: unit weights, quartic kernel, T = 0.2.
+    pub fn molecule() -> Self {
+        Self {
+            kernel: Kernel::Quartic,
+            threshold: 0.2,
+            weights: Weights::Unit,
+            ..Self::default()
+        }
+    }
+}
+
+/// How a surface is defined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SurfaceKind {
+    /// The isosurface of particles.
+    #[default]
+    Blobs,
+    /// The isosurface around bones.
+    Skeleton,
+    /// A surface through points with normals.
+    Points,
+}
+
+impl SurfaceKind {
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Blobs => "blobs",
+            Self::Skeleton => "skeleton",
+            Self::Points => "points",
+        }
+    }
+
+    /// Whether this version can render it.
+    pub fn is_supported(self) -> bool {
+        matches!(self, Self::Blobs)
+    }
+}
+
+/// `[[surface]]`. Settings that are unset take the defaults of the file's format: those of fluids
+/// ([`BlobSettings::default`]) or of molecules ([`BlobSettings::molecule`]).
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Surface {
+    /// Name that instances refer to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// How the surface is defined.
+    #[serde(rename = "type")]
+    pub kind: SurfaceKind,
+    /// Particle file; relative to the scene file.
+    pub file: PathBuf,
+    /// See [`BlobSettings::radius`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radius: Option<f64>,
+    /// See [`BlobSettings::support`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support: Option<f64>,
+    /// See [`BlobSettings::smoothing`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothing: Option<f64>,
+    /// See [`BlobSettings::kernel`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kernel: Option<Kernel>,
+    /// See [`BlobSettings::threshold`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<f64>,
+    /// See [`BlobSettings::weights`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weights: Option<Weights>,
+    /// See [`BlobSettings::filter`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filter: Option<String>,
+    /// See [`BlobSettings::attributes`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub attributes: Vec<String>,
+    /// Column that colours the surface: `speed`, `velocity` (its magnitude), `velocity.x`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_by: Option<String>,
+    /// Colour map; unset, viridis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_map: Option<ColorMap>,
+    /// Values at the two ends of the colour map; unset, the smallest and largest of the frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_range: Option<[f64; 2]>,
+    /// Name of the material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+}
+
+impl Surface {
+    /// A surface of the particles in `file`, everything else by default.
+    pub fn from_file(file: impl Into<PathBuf>) -> Self {
+        Self {
+            file: file.into(),
+            ..Self::default()
+        }
+    }
+
+    /// The settings of the field: what is unset comes from `base`. Columns that the colour or the
+    /// weights need are not added to the attributes here.
+    pub fn settings(&self, base: &BlobSettings) -> BlobSettings {
+        let base = base.clone();
+        BlobSettings {
+            radius: self.radius.or(base.radius),
+            support: self.support.or(base.support),
+            smoothing: self.smoothing.unwrap_or(base.smoothing),
+            kernel: self.kernel.unwrap_or(base.kernel),
+            threshold: self.threshold.unwrap_or(base.threshold),
+            weights: self.weights.clone().unwrap_or(base.weights),
+            filter: self.filter.clone().or(base.filter),
+            attributes: if self.attributes.is_empty() {
+                base.attributes
+            } else {
+                self.attributes.clone()
+            },
         }
     }
 }

@@ -1,0 +1,109 @@
+//! The film's settings: size, samples, exposure, background.
+
+use super::Color;
+use super::color::ColorError;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::str::FromStr;
+
+/// Most pixels along one side.
+pub const MAX_SIDE: u32 = 65_536;
+/// Most pixels in a picture.
+pub const MAX_PIXELS: u64 = 1 << 30;
+/// Most samples per pixel.
+pub const MAX_SPP: u32 = 1 << 20;
+
+/// `[film]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FilmSettings {
+    /// Pixels across, 1 to [`MAX_SIDE`].
+    pub width: u32,
+    /// Pixels down, 1 to [`MAX_SIDE`].
+    pub height: u32,
+    /// Samples per pixel; 1 samples pixel centres.
+    pub spp: u32,
+    /// Exposure in stops: radiance is multiplied by 2^exposure before the tone curve.
+    pub exposure: f64,
+    /// What is behind the surfaces; unset, PNG shows the sky and EXR is transparent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub background: Option<Background>,
+}
+
+impl Default for FilmSettings {
+    fn default() -> Self {
+        Self {
+            width: 1280,
+            height: 720,
+            spp: 16,
+            exposure: 0.0,
+            background: None,
+        }
+    }
+}
+
+/// What a ray that hits nothing sees.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Background {
+    /// The sky that lights the scene.
+    #[default]
+    Sky,
+    /// Nothing: alpha 0.
+    Transparent,
+    /// One colour.
+    Color(Color),
+}
+
+/// A background that is none of `sky`, `transparent`, `#rrggbb`.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a background; use sky, transparent or #rrggbb")]
+pub struct BackgroundError(pub String);
+
+impl FromStr for Background {
+    type Err = BackgroundError;
+
+    fn from_str(text: &str) -> Result<Self, BackgroundError> {
+        match text {
+            "sky" => Ok(Self::Sky),
+            "transparent" => Ok(Self::Transparent),
+            _ => text
+                .parse()
+                .map(Self::Color)
+                .map_err(|ColorError(text)| BackgroundError(text)),
+        }
+    }
+}
+
+impl Serialize for Background {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Sky => serializer.serialize_str("sky"),
+            Self::Transparent => serializer.serialize_str("transparent"),
+            Self::Color(color) => color.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Background {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(BackgroundVisitor)
+    }
+}
+
+struct BackgroundVisitor;
+
+impl<'de> serde::de::Visitor<'de> for BackgroundVisitor {
+    type Value = Background;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a background (\"sky\", \"transparent\", \"#rrggbb\" or three linear numbers)")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Background, E> {
+        text.parse().map_err(E::custom)
+    }
+
+    fn visit_seq<A: serde::de::SeqAccess<'de>>(self, items: A) -> Result<Background, A::Error> {
+        Color::deserialize(serde::de::value::SeqAccessDeserializer::new(items))
+            .map(Background::Color)
+    }
+}
