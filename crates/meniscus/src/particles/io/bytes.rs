@@ -3,6 +3,7 @@
 use super::{ParseError, Place};
 use crate::particles::{Column, ColumnData, Particles};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// The number types that files store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,6 +75,11 @@ macro_rules! with_scalar {
     };
 }
 
+/// An empty column of `scalar` values with room for `capacity` of them.
+pub(super) fn empty_data(scalar: Scalar, capacity: usize) -> ColumnData {
+    with_scalar!(scalar, T => Vec::<T>::with_capacity(capacity).into())
+}
+
 impl Scalar {
     /// Size in bytes.
     pub(super) fn size(self) -> usize {
@@ -123,19 +129,45 @@ impl Scalar {
     }
 }
 
-/// Positions from three columns of one component.
-pub(super) fn positions_from_axes(x: &ColumnData, y: &ColumnData, z: &ColumnData) -> Vec<DVec3> {
-    match (x, y, z) {
-        (ColumnData::F32(x), ColumnData::F32(y), ColumnData::F32(z)) => x
-            .iter()
-            .zip(y)
-            .zip(z)
-            .map(|((&x, &y), &z)| DVec3::new(x.into(), y.into(), z.into()))
-            .collect(),
-        _ => (0..x.len().min(y.len()).min(z.len()))
-            .map(|i| DVec3::new(x.get(i), y.get(i), z.get(i)))
-            .collect(),
+#[allow(
+    clippy::unnecessary_cast,
+    reason = "one of the ten types is f64 itself"
+)]
+/// Positions from three numbers at `axes` (type and offset) of each record of `stride` bytes.
+pub(super) fn gather_positions(
+    records: &[u8],
+    stride: usize,
+    axes: [(Scalar, usize); 3],
+    endian: Endian,
+) -> Vec<DVec3> {
+    let one_type = axes.iter().all(|axis| axis.0 == axes[0].0);
+    if !one_type {
+        let at = |record: &[u8], (scalar, offset): (Scalar, usize)| {
+            scalar.decode(&record[offset..], endian).unwrap_or(f64::NAN)
+        };
+        return records
+            .par_chunks_exact(stride)
+            .map(|record| DVec3::from_array(axes.map(|axis| at(record, axis))))
+            .collect();
     }
+    let offsets = axes.map(|axis| axis.1);
+    with_scalar!(axes[0].0, T => {
+        const SIZE: usize = std::mem::size_of::<T>();
+        let decode = match endian {
+            Endian::Little => T::from_le_bytes,
+            Endian::Big => T::from_be_bytes,
+        };
+        records
+            .par_chunks_exact(stride)
+            .map(|record| {
+                DVec3::from_array(offsets.map(|offset| {
+                    let mut number = [0; SIZE];
+                    number.copy_from_slice(&record[offset..offset + SIZE]);
+                    decode(number) as f64
+                }))
+            })
+            .collect()
+    })
 }
 
 /// Particles from positions and columns that have as many rows; the row numbers are u32.

@@ -6,11 +6,12 @@
 //! a number that stands in the file without holding it against the bytes that are really there.
 
 pub mod error;
-#[allow(dead_code, reason = "the readers that need all of it follow")]
 mod bytes;
 mod foreign;
 mod gzip;
+mod ply;
 mod raw_xyz;
+mod text;
 
 pub use error::{ParseError, Place, ReadError};
 
@@ -79,6 +80,7 @@ macro_rules! formats {
     };
 }
 formats! {
+    Ply ply "ply" "Polygon File Format, Stanford PLY, ascii or binary (.ply)";
     RawXyz raw_xyz "raw-xyz" "raw little-endian f32 x y z triples without a header (.xyz of splashsurf)";
 }
 
