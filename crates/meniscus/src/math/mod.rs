@@ -3,6 +3,7 @@
 pub mod aabb;
 pub mod number;
 pub mod ray;
+pub mod sampling;
 pub mod simd;
 
 pub use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};

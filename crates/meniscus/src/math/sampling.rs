@@ -1,0 +1,382 @@
+//! Random numbers that depend only on pixel, sample and dimension, and the shapes drawn with them.
+//!
+//! A [`PixelSampler`] hands out Owen-scrambled Sobol points (Burley, "Practical Hash-based Owen
+//! Scrambling", JCGT 9(4), 2020): any power of two of a pixel's samples is stratified in every pair
+//! of dimensions, pixels are independent, and no state is shared, so the picture does not depend on
+//! threads, tiles or the order of samples.
+
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+
+/// The random numbers of one sample of one pixel, in a fixed order of dimensions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PixelSampler {
+    pixel_seed: u64,
+    index: u32,
+    drawn: u32,
+}
+
+/// Sobol indices that sobol_burley supports.
+const SEQUENCE_LENGTH: u32 = 1 << 16;
+
+impl PixelSampler {
+    /// The numbers of sample `sample` of `pixel`; `seed` chooses among independent pictures.
+    pub fn new(pixel: [u32; 2], sample: u32, seed: u32) -> Self {
+        let place = u64::from(pixel[0]) | u64::from(pixel[1]) << 32;
+        let series = u64::from(seed) | u64::from(sample / SEQUENCE_LENGTH) << 32;
+        Self {
+            pixel_seed: mix(mix(place) ^ series),
+            index: sample % SEQUENCE_LENGTH,
+            drawn: 0,
+        }
+    }
+
+    /// The next number in [0, 1).
+    pub fn next_1d(&mut self) -> f64 {
+        let seed = self.next_seed();
+        f64::from(sobol_burley::sample(self.index, 0, seed))
+    }
+
+    /// The next point in [0, 1)².
+    pub fn next_2d(&mut self) -> [f64; 2] {
+        let seed = self.next_seed();
+        [0, 1].map(|axis| f64::from(sobol_burley::sample(self.index, axis, seed)))
+    }
+
+    /// Each draw is a Sobol sequence of its own, scrambled by its own seed ("padding").
+    fn next_seed(&mut self) -> u32 {
+        self.drawn += 1;
+        (mix(self.pixel_seed ^ u64::from(self.drawn)) >> 32) as u32
+    }
+}
+
+/// A bijection of 64 bits that leaves no visible pattern (the finaliser of SplitMix64; Steele, Lea &
+/// Flood 2014).
+fn mix(bits: u64) -> u64 {
+    let bits = bits.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    bits ^ (bits >> 31)
+}
+
+/// A point in the unit disk, uniform by area and continuous in `u` (Shirley & Chiu 1997).
+pub fn uniform_disk(u: [f64; 2]) -> [f64; 2] {
+    let [x, y] = u.map(|u| 2.0 * u - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return [0.0; 2];
+    }
+    let (radius, angle) = if x.abs() > y.abs() {
+        (x, FRAC_PI_4 * (y / x))
+    } else {
+        (y, FRAC_PI_2 - FRAC_PI_4 * (x / y))
+    };
+    let (sin, cos) = angle.sin_cos();
+    [radius * cos, radius * sin]
+}
+
+/// A unit direction around the unit vector `normal`, with density cos θ/π (Malley's method).
+pub fn cosine_hemisphere(normal: DVec3, u: [f64; 2]) -> DVec3 {
+    let [x, y] = uniform_disk(u);
+    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let [tangent, bitangent] = tangents(normal);
+    (tangent * x + bitangent * y + normal * z).normalize()
+}
+
+/// A unit direction, uniform over the sphere.
+pub fn uniform_sphere(u: [f64; 2]) -> DVec3 {
+    let z = 1.0 - 2.0 * u[0];
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (TAU * u[1]).sin_cos();
+    DVec3::new(radius * cos, radius * sin, z)
+}
+
+/// Two unit vectors that complete the unit vector `normal` to a right-handed frame (Duff et al.,
+/// "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017).
+pub fn tangents(normal: DVec3) -> [DVec3; 2] {
+    let sign = 1.0_f64.copysign(normal.z);
+    let a = -1.0 / (sign + normal.z);
+    let b = normal.x * normal.y * a;
+    [
+        DVec3::new(
+            1.0 + sign * normal.x * normal.x * a,
+            sign * b,
+            -sign * normal.x,
+        ),
+        DVec3::new(b, sign + normal.y * normal.y * a, -normal.y),
+    ]
+}
+
+/// The pixel filter: a separable Blackman–Harris window of radius 1 pixel. It is sampled, not
+/// weighted ("filter importance sampling", Ernst et al. 2006): a sample counts for its own pixel
+/// alone, with weight 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PixelFilter {
+    /// The inverse of the cumulative distribution at even steps.
+    offsets: Vec<f64>,
+}
+
+impl Default for PixelFilter {
+    fn default() -> Self {
+        const STEPS: usize = 1024;
+        let mut offsets = Vec::with_capacity(STEPS + 1);
+        for step in 0..=STEPS {
+            let wanted = step as f64 / STEPS as f64;
+            let (mut low, mut high) = (-Self::RADIUS, Self::RADIUS);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if Self::cumulative(middle) < wanted {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            offsets.push(0.5 * (low + high));
+        }
+        Self { offsets }
+    }
+}
+
+impl PixelFilter {
+    /// Largest offset from the pixel centre along x or y, in pixels.
+    pub const RADIUS: f64 = 1.0;
+
+    /// Blackman–Harris, four terms: Σ aₖ cos(2πk t), t in [0, 1], with alternating signs folded in.
+    const TERMS: [f64; 4] = [0.358_75, -0.488_29, 0.141_28, -0.011_68];
+
+    /// Part of the window to the left of `x`.
+    fn cumulative(x: f64) -> f64 {
+        let t = 0.5 * (x / Self::RADIUS + 1.0);
+        let [a0, rest @ ..] = Self::TERMS;
+        let sines: f64 = rest
+            .iter()
+            .zip([1.0, 2.0, 3.0])
+            .map(|(a, k)| a * (TAU * k * t).sin() / (TAU * k))
+            .sum();
+        t + sines / a0
+    }
+
+    /// The offset from the pixel centre, in pixels, for a point in [0, 1)².
+    pub fn offset(&self, u: [f64; 2]) -> [f64; 2] {
+        let last = self.offsets.len() - 1;
+        u.map(|u| {
+            let position = u * last as f64;
+            let below = (position as usize).min(last - 1);
+            let [a, b] = [self.offsets[below], self.offsets[below + 1]];
+            a + (b - a) * (position - below as f64)
+        })
+    }
+
+    /// Where the sampler's sample of `pixel` lies on the film, in pixels from the top left corner:
+    /// the pixel's centre if it is the only one, a point drawn from the filter otherwise.
+    pub fn film_position(
+        &self,
+        pixel: [u32; 2],
+        samples_per_pixel: u32,
+        sampler: &mut PixelSampler,
+    ) -> [f64; 2] {
+        let u = sampler.next_2d();
+        let [dx, dy] = if samples_per_pixel == 1 {
+            [0.0; 2]
+        } else {
+            self.offset(u)
+        };
+        [
+            f64::from(pixel[0]) + 0.5 + dx,
+            f64::from(pixel[1]) + 0.5 + dy,
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(pixel: [u32; 2], count: u32) -> Vec<[f64; 2]> {
+        (0..count)
+            .map(|sample| PixelSampler::new(pixel, sample, 0).next_2d())
+            .collect()
+    }
+
+    #[test]
+    fn every_draw_of_sixteen_samples_fills_every_stratum_once() {
+        for (x, y) in [(0, 0), (7, 3), (1279, 719)] {
+            let mut samplers: Vec<_> = (0..16).map(|s| PixelSampler::new([x, y], s, 5)).collect();
+            for draw in 0..40 {
+                let mut cells = [0; 16];
+                for sampler in &mut samplers {
+                    let [u, v] = sampler.next_2d();
+                    assert!((0.0..1.0).contains(&u) && (0.0..1.0).contains(&v));
+                    cells[(u * 4.0) as usize * 4 + (v * 4.0) as usize] += 1;
+                }
+                assert_eq!(cells, [1; 16], "draw {draw} of pixel {x}, {y}");
+                let mut strata = [0; 16];
+                for sampler in &mut samplers {
+                    strata[(sampler.next_1d() * 16.0) as usize] += 1;
+                }
+                assert_eq!(strata, [1; 16], "draw {draw} of pixel {x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_depend_on_pixel_sample_and_seed_alone() {
+        let draw = |pixel, sample, seed| {
+            let mut sampler = PixelSampler::new(pixel, sample, seed);
+            [sampler.next_1d(), sampler.next_1d(), sampler.next_1d()]
+        };
+        let one = draw([3, 4], 5, 6);
+        assert_eq!(one, draw([3, 4], 5, 6));
+        let others = [
+            draw([4, 3], 5, 6),
+            draw([3, 4], 6, 6),
+            draw([3, 4], 5, 7),
+            draw([3, 4], 5 + SEQUENCE_LENGTH, 6),
+        ];
+        for other in others {
+            assert_ne!(one, other);
+        }
+        assert!(one[0] != one[1] && one[1] != one[2]);
+    }
+
+    #[test]
+    fn neighbouring_pixels_and_dimensions_are_uncorrelated() {
+        let (mut across, mut along, mut mean) = (0.0, 0.0, 0.0);
+        let count = 20_000;
+        for x in 0..count {
+            let mut here = PixelSampler::new([x, 9], 0, 0);
+            let [a, b] = [here.next_1d(), here.next_1d()];
+            let next = PixelSampler::new([x + 1, 9], 0, 0).next_1d();
+            mean += a;
+            along += (a - 0.5) * (b - 0.5);
+            across += (a - 0.5) * (next - 0.5);
+        }
+        let count = f64::from(count);
+        // Standard deviations: 0.289/√n = 0.002 of the mean, 1/12/√n = 0.0006 of a covariance.
+        assert!((mean / count - 0.5).abs() < 0.01, "{}", mean / count);
+        assert!((along / count).abs() < 0.003, "{}", along / count);
+        assert!((across / count).abs() < 0.003, "{}", across / count);
+    }
+
+    #[test]
+    fn disk_is_uniform_by_area() {
+        let mut quadrants = [0_u32; 4];
+        let mut inner = 0;
+        for u in points([1, 2], 4096) {
+            let [x, y] = uniform_disk(u);
+            let square = x * x + y * y;
+            assert!(square <= 1.0 + 1e-12);
+            inner += u32::from(square < 0.25);
+            quadrants[usize::from(x < 0.0) * 2 + usize::from(y < 0.0)] += 1;
+        }
+        assert!((f64::from(inner) / 4096.0 - 0.25).abs() < 0.01, "{inner}");
+        for count in quadrants {
+            assert!(
+                (f64::from(count) / 4096.0 - 0.25).abs() < 0.01,
+                "{quadrants:?}"
+            );
+        }
+        assert_eq!(uniform_disk([0.5, 0.5]), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn hemisphere_directions_have_a_cosine_density() {
+        let normals = [
+            DVec3::Z,
+            DVec3::NEG_Z,
+            DVec3::X,
+            DVec3::new(0.3, -0.5, -0.8).normalize(),
+        ];
+        for normal in normals {
+            let (mut cosines, mut squares) = (0.0, 0.0);
+            for u in points([5, 5], 4096) {
+                let direction = cosine_hemisphere(normal, u);
+                assert!((direction.length() - 1.0).abs() < 1e-12);
+                let cosine = direction.dot(normal);
+                assert!(cosine >= -1e-12);
+                cosines += cosine;
+                squares += cosine * cosine;
+            }
+            assert!(
+                (cosines / 4096.0 - 2.0 / 3.0).abs() < 2e-3,
+                "{}",
+                cosines / 4096.0
+            );
+            assert!(
+                (squares / 4096.0 - 0.5).abs() < 2e-3,
+                "{}",
+                squares / 4096.0
+            );
+        }
+    }
+
+    #[test]
+    fn sphere_directions_are_uniform() {
+        let sum = points([8, 8], 4096)
+            .into_iter()
+            .fold([DVec3::ZERO; 2], |[first, second], u| {
+                let d = uniform_sphere(u);
+                assert!((d.length() - 1.0).abs() < 1e-12);
+                [first + d, second + d * d]
+            });
+        assert!((sum[0] / 4096.0).length() < 5e-3, "{}", sum[0] / 4096.0);
+        assert!(
+            (sum[1] / 4096.0 - 1.0 / 3.0).length() < 5e-3,
+            "{}",
+            sum[1] / 4096.0
+        );
+    }
+
+    #[test]
+    fn tangents_are_right_handed_and_orthonormal() {
+        for u in points([2, 1], 512) {
+            let n = uniform_sphere(u);
+            let [t, b] = tangents(n);
+            assert!((t.length() - 1.0).abs() < 1e-9 && (b.length() - 1.0).abs() < 1e-9);
+            assert!(t.cross(b).distance(n) < 1e-9, "{n}");
+        }
+    }
+
+    #[test]
+    fn filter_offsets_follow_the_window() {
+        let filter = PixelFilter::default();
+        // Moments of the window by the midpoint rule.
+        let window = |x: f64| {
+            let t = 0.5 * (x + 1.0);
+            (0..4)
+                .map(|k| PixelFilter::TERMS[k] * (TAU * k as f64 * t).cos())
+                .sum::<f64>()
+        };
+        let steps: Vec<f64> = (0..2000)
+            .map(|i| (f64::from(i) + 0.5) / 1000.0 - 1.0)
+            .collect();
+        let area: f64 = steps.iter().map(|&x| window(x)).sum();
+        let variance = steps.iter().map(|&x| x * x * window(x)).sum::<f64>() / area;
+        assert!((0.05..0.09).contains(&variance), "{variance}");
+
+        let count = 4096;
+        let (mut mean, mut square) = ([0.0; 2], [0.0; 2]);
+        for u in points([0, 0], count) {
+            let offset = filter.offset(u);
+            for axis in 0..2 {
+                assert!(offset[axis].abs() <= PixelFilter::RADIUS);
+                mean[axis] += offset[axis] / f64::from(count);
+                square[axis] += offset[axis] * offset[axis] / f64::from(count);
+            }
+        }
+        for axis in 0..2 {
+            assert!(mean[axis].abs() < 1e-3, "{mean:?}");
+            assert!(
+                (square[axis] - variance).abs() < 1e-3,
+                "{square:?} against {variance}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_single_sample_lies_at_the_pixel_centre() {
+        let filter = PixelFilter::default();
+        let at = |spp| filter.film_position([3, 5], spp, &mut PixelSampler::new([3, 5], 0, 0));
+        assert_eq!(at(1), [3.5, 5.5]);
+        assert_ne!(at(4), [3.5, 5.5]);
+    }
+}
