@@ -43,6 +43,24 @@ macro_rules! column_data {
                 match self { $(Self::$variant(values) => values[i] as f64,)* }
             }
 
+            /// Appends numbers `range` as little-endian bytes.
+            pub(super) fn put_le_bytes(&self, range: std::ops::Range<usize>, bytes: &mut Vec<u8>) {
+                match self { $(Self::$variant(values) => {
+                    for value in &values[range] {
+                        bytes.extend(value.to_le_bytes());
+                    }
+                })* }
+            }
+
+            /// Writes number `i` with as many digits as it takes to read it back exactly.
+            pub(super) fn write_text(
+                &self,
+                i: usize,
+                out: &mut impl std::io::Write,
+            ) -> std::io::Result<()> {
+                match self { $(Self::$variant(values) => write!(out, "{:?}", values[i]),)* }
+            }
+
             fn select(&mut self, rows: &[usize], components: usize) {
                 match self { $(Self::$variant(values) => {
                     *values = rows

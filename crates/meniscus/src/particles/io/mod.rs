@@ -6,14 +6,22 @@
 //! a number that stands in the file without holding it against the bytes that are really there.
 
 pub mod error;
+mod bgeo_write;
 mod bytes;
+mod csv_write;
+mod elements;
 mod foreign;
 mod gzip;
+mod npy_write;
 mod ply;
+mod ply_write;
 mod raw_xyz;
 mod text;
+mod write;
+mod xyz_write;
 
 pub use error::{ParseError, Place, ReadError};
+pub use write::{WRITTEN_ENDINGS, WriteError, can_write, write};
 
 use super::Particles;
 use std::path::Path;
