@@ -2,6 +2,7 @@
 
 pub mod column;
 pub mod io;
+pub mod sequence;
 
 pub use column::{Column, ColumnData};
 
