@@ -1,5 +1,6 @@
 //! What shading needs of a scene, resolved: lights, materials, colouring.
 
+use crate::scene::attribute::Component;
 use crate::scene::colormap::ColorTable;
 use glam::DVec3;
 
@@ -19,26 +20,6 @@ pub enum Light {
         /// Mean linear radiance of the upper half.
         radiance: [f32; 3],
     },
-}
-
-/// Which number of a blended attribute counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Component {
-    /// The length of the vector; of a scalar the scalar itself, sign included.
-    Magnitude,
-    /// One component.
-    Index(usize),
-}
-
-impl Component {
-    /// The number that counts among the components of one value.
-    pub fn of(self, value: &[f32]) -> f32 {
-        match (self, value) {
-            (Self::Magnitude, &[scalar]) => scalar,
-            (Self::Magnitude, _) => value.iter().map(|c| c * c).sum::<f32>().sqrt(),
-            (Self::Index(index), _) => value.get(index).copied().unwrap_or(0.0),
-        }
-    }
 }
 
 /// Colour by attribute.

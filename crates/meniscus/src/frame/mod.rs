@@ -3,9 +3,12 @@
 //! A [`Frame`] is a list of instances of surfaces. Every kind of [`Geometry`] answers the same
 //! questions (closest hit, any hit, crossings, side, bounds) in `intersect/`.
 
+mod bounds;
+mod build;
 pub mod looks;
 
-pub use looks::{BaseColor, Coloring, Component, GroundLook, Light, Material};
+pub use build::{FrameError, FrameSettings};
+pub use looks::{BaseColor, Coloring, GroundLook, Light, Material};
 
 use crate::accel::{Accel, Engine};
 use crate::field::BlobField;
@@ -111,3 +114,6 @@ impl Default for Frame {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,7 @@
 //! [`camera::Camera`] on. To add a key: one field in the struct of its table, and its check in
 //! `validate.rs`.
 
+pub mod attribute;
 pub mod camera;
 pub mod color;
 pub mod colormap;
@@ -13,6 +14,7 @@ pub mod integrator;
 pub mod lights;
 pub mod materials;
 pub mod placement;
+pub mod preset;
 pub mod surface;
 
 pub use camera::{CameraSettings, Up};
@@ -23,6 +25,7 @@ pub use integrator::{IntegratorKind, IntegratorSettings};
 pub use lights::{Light, LightKind};
 pub use materials::{Material, MaterialKind};
 pub use placement::{Ground, Instance, Matrix, Mesh, Plane};
+pub use preset::Preset;
 pub use surface::{BlobSettings, Surface, SurfaceKind, Weights};
 
 use serde::{Deserialize, Serialize};

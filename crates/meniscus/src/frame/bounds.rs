@@ -1,0 +1,143 @@
+//! Bounds of what stands in a frame: all of it, and the part that a camera should frame.
+
+use super::{Blobs, Frame, Geometry};
+use crate::field::BlobField;
+use crate::math::aabb::{Aabb, DAabb};
+use glam::{DAffine3, DVec3, Vec3};
+
+/// Per axis, the part of the particles that may lie outside on each side of the dense middle.
+const STRAY_FRACTION: f64 = 0.002;
+/// How far the middle is widened on each side, in its own widths, before particles outside it count
+/// as strays.
+const STRAY_REACH: f32 = 0.5;
+
+impl Geometry {
+    /// Object-space box around the surface at any time in `shutter` (seconds relative to the frame);
+    /// `None` where it is infinite. Blobs stand still within a frame: every shutter has the same box.
+    pub fn bounds(&self, _shutter: [f64; 2]) -> Option<DAabb> {
+        match self {
+            Self::Blobs(blobs) => Some(in_object_space(&blobs.field, blobs.field.bounds())),
+            Self::Plane(_) => None,
+        }
+    }
+}
+
+impl Frame {
+    /// World-space box around the supports of all blobs at any time in `shutter`; planes do not
+    /// count. Empty when there is nothing else.
+    pub fn bounds(&self, shutter: [f64; 2]) -> DAabb {
+        self.instances
+            .iter()
+            .fold(DAabb::EMPTY, |bounds, instance| {
+                match self.geometries[instance.geometry as usize].bounds(shutter) {
+                    Some(local) => bounds.union(transformed(local, &instance.world_from_object)),
+                    None => bounds,
+                }
+            })
+    }
+
+    /// World-space box that a camera should show and the ground should touch: the surfaces without
+    /// stray particles.
+    ///
+    /// Along each axis the middle 99.6 % of the particles span an interval; widened by half its
+    /// width on both sides, it holds everything that belongs to the object. Particles outside (a few
+    /// drops that flew ten times as far as the rest) do not count; without such particles this is
+    /// the tight box. It includes the surface's distance from the outermost centres.
+    pub fn framing_bounds(&self) -> DAabb {
+        let mut boxes: Vec<Option<DAabb>> = vec![None; self.geometries.len()];
+        self.instances
+            .iter()
+            .fold(DAabb::EMPTY, |bounds, instance| {
+                let index = instance.geometry as usize;
+                let Geometry::Blobs(blobs) = &self.geometries[index] else {
+                    return bounds;
+                };
+                let local = *boxes[index].get_or_insert_with(|| without_strays(blobs));
+                bounds.union(transformed(local, &instance.world_from_object))
+            })
+    }
+}
+
+fn without_strays(blobs: &Blobs) -> DAabb {
+    let field = &blobs.field;
+    let Some(middle) = middle_of(field) else {
+        return DAabb::EMPTY;
+    };
+    let lone = field.kernel.q_at(f64::from(field.threshold));
+    let kept = (0..field.len()).filter(|&i| middle.contains(field.center(i)));
+    let bounds = kept.fold(Aabb::EMPTY, |bounds, i| {
+        let reach = surface_distance(field, i, lone);
+        let center = field.center(i);
+        bounds.union(Aabb {
+            min: center - reach,
+            max: center + reach,
+        })
+    });
+    in_object_space(field, bounds)
+}
+
+/// The box outside which particles are strays; `None` without particles.
+fn middle_of(field: &BlobField) -> Option<Aabb> {
+    let count = field.len();
+    let strays = (count as f64 * STRAY_FRACTION) as usize;
+    let mut middle = Aabb::EMPTY;
+    for axis in 0..3 {
+        let mut places: Vec<f32> = field.centers.iter().map(|center| center[axis]).collect();
+        if places.is_empty() {
+            return None;
+        }
+        let (_, low, above) = places.select_nth_unstable_by(strays, f32::total_cmp);
+        let low = *low;
+        // `above` holds the others in any order; the high mark is `strays` below the largest.
+        let high = match above.len() {
+            0 => low,
+            rest => {
+                let (_, high, _) =
+                    above.select_nth_unstable_by(rest.saturating_sub(1 + strays), f32::total_cmp);
+                *high
+            }
+        };
+        let reach = (high - low) * STRAY_REACH;
+        middle.min[axis] = low - reach;
+        middle.max[axis] = high + reach;
+    }
+    Some(middle)
+}
+
+/// How far the surface lies from centre `i`, about: where blob `i` alone reaches the threshold, or
+/// half a spacing where it needs its neighbours for that. Never beyond the support.
+fn surface_distance(field: &BlobField, i: usize, lone: Option<f64>) -> Vec3 {
+    let support = Vec3::from_array(field.shapes.half_extents(i));
+    let weight = f64::from(field.weights[i]);
+    let q = if weight == 1.0 {
+        lone
+    } else {
+        field.kernel.q_at(f64::from(field.threshold) / weight)
+    };
+    match q {
+        Some(q) => support * q.sqrt() as f32,
+        None => support.min(Vec3::splat(0.5 * field.spacing)),
+    }
+}
+
+fn in_object_space(field: &BlobField, local: Aabb) -> DAabb {
+    DAabb {
+        min: field.origin + local.min.as_dvec3(),
+        max: field.origin + local.max.as_dvec3(),
+    }
+}
+
+/// The box around a transformed box (Arvo 1990).
+fn transformed(bounds: DAabb, map: &DAffine3) -> DAabb {
+    if bounds.is_empty() {
+        return bounds;
+    }
+    let half = bounds.size() * 0.5;
+    let center = map.transform_point3(bounds.center());
+    let m = map.matrix3;
+    let reach: DVec3 = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
+    DAabb {
+        min: center - reach,
+        max: center + reach,
+    }
+}

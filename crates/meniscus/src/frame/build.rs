@@ -1,0 +1,309 @@
+//! From a scene and its fields to a frame.
+
+use super::looks::{BaseColor, Coloring, GroundLook, Light, Material};
+use super::{Blobs, Frame, Geometry, Instance, Plane};
+use crate::accel::Engine;
+use crate::field::{BlobField, FieldAttribute};
+use crate::math::simd::Level;
+use crate::scene::attribute::{AttributeRef, Component};
+use crate::scene::{self, LightKind, Scene, Surface};
+use glam::{DAffine3, DVec3};
+
+/// How a frame's surfaces are traced.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameSettings {
+    /// The engine.
+    pub engine: Engine,
+    /// The SIMD level.
+    pub level: Level,
+}
+
+impl Default for FrameSettings {
+    fn default() -> Self {
+        Self {
+            engine: Engine::default(),
+            level: Level::new(),
+        }
+    }
+}
+
+/// A scene that does not fit its fields.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FrameError {
+    /// One field per surface is needed.
+    #[error("the scene has {surfaces} surfaces, but {fields} fields were given")]
+    FieldCount {
+        /// Surfaces of the scene.
+        surfaces: usize,
+        /// Fields given.
+        fields: usize,
+    },
+    /// A surface is coloured by an attribute that its field does not carry.
+    #[error("there is no attribute `{name}` to colour by; there are: {known}")]
+    UnknownAttribute {
+        /// The attribute as written.
+        name: String,
+        /// The attributes that the field carries.
+        known: String,
+    },
+    /// A component beyond the attribute's last.
+    #[error("attribute `{name}` has {components} components, so `{written}` does not exist")]
+    NoSuchComponent {
+        /// The attribute.
+        name: String,
+        /// How many components it has.
+        components: usize,
+        /// The reference as written.
+        written: String,
+    },
+    /// A name that the scene does not define; [`Scene::validate`] reports it with its place.
+    #[error("the scene defines no {kind} `{name}`")]
+    UnknownName {
+        /// Material or surface.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+}
+
+impl Frame {
+    /// The frame of `scene` with one field per surface, in the scene's order.
+    ///
+    /// Instances come in this order: for each surface its `[[instance]]`s (or itself once), then the
+    /// planes, then the ground.
+    ///
+    /// # Errors
+    /// When a surface's colour, material or instance refers to something that is not there.
+    pub fn build(
+        scene: &Scene,
+        fields: Vec<BlobField>,
+        settings: &FrameSettings,
+    ) -> Result<Self, FrameError> {
+        if fields.len() != scene.surfaces.len() {
+            return Err(FrameError::FieldCount {
+                surfaces: scene.surfaces.len(),
+                fields: fields.len(),
+            });
+        }
+        let up = scene.camera.up.vector();
+        let mut frame = Self {
+            lights: resolved_lights(scene, up),
+            up,
+            background: scene.film.background,
+            ..Self::default()
+        };
+        for (surface, field) in scene.surfaces.iter().zip(fields) {
+            frame.add_surface(scene, surface, field, settings)?;
+        }
+        check_instances(scene)?;
+        for plane in &scene.planes {
+            let material = plain_material(scene, plane.material.as_deref(), ground_material)?;
+            let normal = plane.normal.unwrap_or(up).normalize_or(up);
+            frame.add_plane(plane.point, normal, material);
+        }
+        if let Some(ground) = &scene.ground {
+            let material = plain_material(scene, ground.material.as_deref(), ground_material)?;
+            frame.add_ground(ground.height, material);
+        }
+        Ok(frame)
+    }
+
+    fn add_surface(
+        &mut self,
+        scene: &Scene,
+        surface: &Surface,
+        field: BlobField,
+        settings: &FrameSettings,
+    ) -> Result<(), FrameError> {
+        let coloring = surface
+            .color_by
+            .as_deref()
+            .map(|color_by| coloring(color_by, surface, &field))
+            .transpose()?;
+        let material_of = |name: Option<&str>| -> Result<Material, FrameError> {
+            let mut material = plain_material(scene, name, scene::Material::default)?;
+            if let Some(coloring) = &coloring {
+                material.base = BaseColor::Attribute(Box::new(coloring.clone()));
+            }
+            Ok(material)
+        };
+        let placements: Vec<_> = scene
+            .instances
+            .iter()
+            .filter(|instance| Some(&instance.surface) == surface.name.as_ref())
+            .collect();
+        let geometry = self.geometries.len() as u32;
+        let own_material = self.materials.len() as u32;
+        self.materials
+            .push(material_of(surface.material.as_deref())?);
+        if placements.is_empty() {
+            let here = Instance::new(geometry, DAffine3::IDENTITY, own_material);
+            self.instances.push(here);
+        }
+        for placement in placements {
+            let material = match placement.material.as_deref() {
+                None => own_material,
+                Some(name) => {
+                    self.materials.push(material_of(Some(name))?);
+                    self.materials.len() as u32 - 1
+                }
+            };
+            self.instances
+                .push(Instance::new(geometry, placement.matrix.0, material));
+        }
+        let blobs = Blobs::build(field, settings.engine, settings.level);
+        self.geometries.push(Geometry::Blobs(Box::new(blobs)));
+        Ok(())
+    }
+
+    fn add_plane(&mut self, point: DVec3, normal: DVec3, material: Material) {
+        let geometry = self.geometries.len() as u32;
+        let index = self.materials.len() as u32;
+        self.geometries
+            .push(Geometry::Plane(Plane { point, normal }));
+        self.materials.push(material);
+        self.instances
+            .push(Instance::new(geometry, DAffine3::IDENTITY, index));
+    }
+
+    /// A plane under the middle of [`Frame::framing_bounds`].
+    fn add_ground(&mut self, height: Option<f64>, material: Material) {
+        let bounds = self.framing_bounds();
+        let (center, half) = if bounds.is_empty() {
+            (DVec3::ZERO, DVec3::ZERO)
+        } else {
+            (bounds.center(), bounds.size() * 0.5)
+        };
+        let lowest = center.dot(self.up) - half.dot(self.up.abs());
+        let height = height.unwrap_or(lowest);
+        let foot = center + self.up * (height - center.dot(self.up));
+        let radius = 2.0 * half.length();
+        self.ground = Some(GroundLook {
+            surface: self.instances.len() as u32,
+            center: foot,
+            radius: if radius > 0.0 { radius } else { 1.0 },
+        });
+        self.add_plane(foot, self.up, material);
+    }
+}
+
+fn check_instances(scene: &Scene) -> Result<(), FrameError> {
+    let known = |name: &String| scene.surfaces.iter().any(|s| s.name.as_ref() == Some(name));
+    match scene.instances.iter().find(|i| !known(&i.surface)) {
+        None => Ok(()),
+        Some(instance) => Err(FrameError::UnknownName {
+            kind: "surface",
+            name: instance.surface.clone(),
+        }),
+    }
+}
+
+/// What planes and the ground are made of where the scene does not say: pale and without highlight.
+fn ground_material() -> scene::Material {
+    scene::Material::diffuse(scene::Color([0.58, 0.57, 0.55]))
+}
+
+fn plain_material(
+    scene: &Scene,
+    name: Option<&str>,
+    default: impl Fn() -> scene::Material,
+) -> Result<Material, FrameError> {
+    let material = match name {
+        None => default(),
+        Some(name) => {
+            scene
+                .materials
+                .get(name)
+                .cloned()
+                .ok_or_else(|| FrameError::UnknownName {
+                    kind: "material",
+                    name: name.to_owned(),
+                })?
+        }
+    };
+    Ok(Material {
+        base: BaseColor::Constant(material.color.to_f32()),
+        specular: material.effective_specular() as f32,
+        roughness: material.effective_roughness() as f32,
+    })
+}
+
+fn resolved_lights(scene: &Scene, up: DVec3) -> Vec<Light> {
+    let defaults;
+    let lights = if scene.lights.is_empty() {
+        defaults = scene::Light::defaults(up);
+        &defaults
+    } else {
+        &scene.lights
+    };
+    lights
+        .iter()
+        .filter_map(|light| {
+            let color = light.color.unwrap_or(scene::Color::WHITE).0;
+            let radiance = color.map(|c| (c * light.intensity) as f32);
+            match light.kind {
+                LightKind::Sun => Some(Light::Sun {
+                    towards: light.direction.unwrap_or(up).normalize_or(up),
+                    radiance,
+                }),
+                LightKind::Sky => Some(Light::Sky { radiance }),
+                // `Scene::validate` refuses them.
+                LightKind::Point | LightKind::Sphere | LightKind::Environment => None,
+            }
+        })
+        .collect()
+}
+
+fn coloring(color_by: &str, surface: &Surface, field: &BlobField) -> Result<Coloring, FrameError> {
+    let position = |name: &str| field.attributes.iter().position(|a| a.name == name);
+    let unknown = || FrameError::UnknownAttribute {
+        name: color_by.to_owned(),
+        known: field
+            .attributes
+            .iter()
+            .map(|attribute| attribute.name.as_str())
+            .collect::<Vec<_>>()
+            .join(", "),
+    };
+    let found =
+        AttributeRef::parse(color_by, |name| position(name).is_some()).ok_or_else(unknown)?;
+    let index = position(&found.column).ok_or_else(unknown)?;
+    let attribute = &field.attributes[index];
+    if let Component::Index(component) = found.component
+        && component >= attribute.components
+    {
+        return Err(FrameError::NoSuchComponent {
+            name: found.column,
+            components: attribute.components,
+            written: color_by.to_owned(),
+        });
+    }
+    let range = match surface.color_range {
+        Some(range) => range.map(|end| end as f32),
+        None => value_range(attribute, found.component),
+    };
+    Ok(Coloring {
+        attribute: index,
+        component: found.component,
+        range,
+        table: surface.color_map.unwrap_or_default().table(),
+        label: color_by.to_owned(),
+    })
+}
+
+/// Smallest and largest finite value; 0 and 1 if there is none.
+fn value_range(attribute: &FieldAttribute, component: Component) -> [f32; 2] {
+    let range = attribute
+        .data
+        .chunks_exact(attribute.components.max(1))
+        .map(|value| component.of(value))
+        .filter(|number| number.is_finite())
+        .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], number| {
+            [low.min(number), high.max(number)]
+        });
+    if range[0] <= range[1] {
+        range
+    } else {
+        [0.0, 1.0]
+    }
+}
