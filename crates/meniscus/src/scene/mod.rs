@@ -10,6 +10,7 @@ pub mod camera;
 pub mod color;
 pub mod colormap;
 pub mod film;
+pub mod generate;
 pub mod integrator;
 pub mod lights;
 pub mod materials;
