@@ -18,6 +18,7 @@ mod ply_write;
 mod raw_xyz;
 mod text;
 mod write;
+mod vtk_write;
 mod xyz_write;
 
 pub use error::{ParseError, Place, ReadError};

@@ -4,7 +4,7 @@
 //! `fn write(particles, out) -> std::io::Result<Vec<String>>` (the columns it could not store), its
 //! `mod` line in `io`, and one line in the table below.
 
-use super::{bgeo_write, csv_write, npy_write, ply_write, xyz_write};
+use super::{bgeo_write, csv_write, npy_write, ply_write, vtk_write, xyz_write};
 use crate::particles::{Column, Particles};
 use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -61,6 +61,7 @@ macro_rules! writers {
     };
 }
 writers! {
+    "vtk" vtk_write::write;
     "ply" ply_write::write;
     "bgeo" bgeo_write::write;
     "xyz" xyz_write::write;

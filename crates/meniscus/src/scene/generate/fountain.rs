@@ -4,7 +4,7 @@
 use super::Generated;
 use super::ballistic::{self, Motion};
 use super::random::Random;
-use super::staging::{self, Staging};
+use super::staging::Staging;
 use crate::math::aabb::DAabb;
 use crate::scene::BlobSettings;
 use glam::DVec3;
@@ -105,7 +105,7 @@ pub(super) fn generate(count: usize, seed: u64, time_secs: Option<f64>) -> Gener
         towards_eye: DVec3::new(0.3, 0.32, 1.0),
         up: DVec3::Y,
         light: DVec3::new(0.45, 0.75, 0.55),
-        material: staging::water(),
+        preset: "water",
         ground: true,
     }
     .scene();

@@ -7,7 +7,7 @@ use super::staging::Staging;
 use crate::kernel::Kernel;
 use crate::math::aabb::DAabb;
 use crate::particles::{Column, Particles};
-use crate::scene::{BlobSettings, Color, Material, Weights};
+use crate::scene::{BlobSettings, Weights};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -188,10 +188,7 @@ pub(super) fn generate(count: usize, seed: u64) -> Generated {
         towards_eye: DVec3::new(0.55, 0.35, 1.0),
         up: DVec3::Y,
         light: DVec3::new(0.45, 0.75, 0.55),
-        material: (
-            "molecule",
-            Material::glossy(Color([0.86, 0.62, 0.22]), 0.8, 0.3),
-        ),
+        preset: "molecule",
         ground: false,
     }
     .scene();

@@ -2,7 +2,7 @@
 
 use super::Generated;
 use super::random::Random;
-use super::staging::{self, Staging};
+use super::staging::Staging;
 use crate::kernel::Kernel;
 use crate::math::aabb::DAabb;
 use crate::particles::Particles;
@@ -82,7 +82,7 @@ pub(super) fn generate(count: usize, seed: u64) -> Generated {
         towards_eye: DVec3::new(0.55, -1.0, 0.75),
         up: DVec3::Z,
         light: DVec3::new(0.45, -0.55, 0.75),
-        material: staging::water(),
+        preset: "water",
         ground: false,
     }
     .scene();

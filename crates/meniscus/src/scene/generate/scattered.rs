@@ -3,7 +3,7 @@
 
 use super::Generated;
 use super::random::Random;
-use super::staging::{self, Staging};
+use super::staging::Staging;
 use crate::kernel::Kernel;
 use crate::math::aabb::DAabb;
 use crate::particles::Particles;
@@ -40,7 +40,7 @@ pub(super) fn generate(count: usize, seed: u64) -> Generated {
             towards_eye: DVec3::new(0.6, -1.0, 0.55),
             up: DVec3::Z,
             light: DVec3::new(0.45, -0.55, 0.75),
-            material: staging::clay(),
+            preset: "clay",
             ground: false,
         }
         .scene(),

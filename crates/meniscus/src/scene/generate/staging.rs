@@ -1,9 +1,8 @@
 //! Ready scenes: surface settings, a camera that frames the set, a sun, a material.
 
 use crate::math::aabb::DAabb;
-use crate::scene::{
-    BlobSettings, CameraSettings, Color, Ground, Light, Material, Scene, Surface, Up,
-};
+use crate::scene::preset::Preset;
+use crate::scene::{BlobSettings, CameraSettings, Ground, Light, Scene, Surface, Up};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -19,8 +18,8 @@ pub(super) struct Staging {
     pub(super) up: DVec3,
     /// Direction towards the sun, any length.
     pub(super) light: DVec3,
-    /// The material and its name.
-    pub(super) material: (&'static str, Material),
+    /// Name of the preset whose material suits.
+    pub(super) preset: &'static str,
     /// Whether a ground plane belongs under the set.
     pub(super) ground: bool,
 }
@@ -28,29 +27,12 @@ pub(super) struct Staging {
 /// Vertical field of view of every staged camera, in degrees.
 const FOV_DEGREES: f64 = 35.0;
 
-/// A matt light material.
-pub(super) fn clay() -> (&'static str, Material) {
-    (
-        "clay",
-        Material::glossy(Color([0.66, 0.52, 0.42]), 0.5, 0.5),
-    )
-}
-
-/// Opaque water.
-pub(super) fn water() -> (&'static str, Material) {
-    (
-        "water",
-        Material::glossy(Color([0.10, 0.36, 0.58]), 1.0, 0.12),
-    )
-}
-
 impl Staging {
     /// The scene; the file of its one surface is left to the caller.
     pub(super) fn scene(self) -> Scene {
         let eye = eye_that_frames(self.bounds, self.towards_eye, self.up);
-        let (name, material) = self.material;
         let blobs = self.blobs;
-        Scene {
+        let mut scene = Scene {
             camera: CameraSettings {
                 eye: Some(eye),
                 target: Some(self.bounds.center()),
@@ -64,14 +46,16 @@ impl Staging {
                 kernel: Some(blobs.kernel),
                 threshold: Some(blobs.threshold),
                 weights: Some(blobs.weights),
-                material: Some(name.to_owned()),
                 ..Surface::default()
             }],
             ground: self.ground.then(Ground::default),
             lights: vec![Light::sun(self.light.normalize()), Light::sky()],
-            materials: [(name.to_owned(), material)].into(),
             ..Scene::default()
+        };
+        if let Some(preset) = Preset::from_name(self.preset) {
+            preset.apply(&mut scene);
         }
+        scene
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Generated;
 use super::random::Random;
-use super::staging::{self, Staging};
+use super::staging::Staging;
 use crate::kernel::Kernel;
 use crate::math::aabb::DAabb;
 use crate::particles::{Column, Particles};
@@ -92,7 +92,7 @@ pub(super) fn generate(count: usize, seed: u64) -> Generated {
             towards_eye: DVec3::new(0.35, 0.18, 1.0),
             up: DVec3::Y,
             light: DVec3::new(0.45, 0.75, 0.55),
-            material: staging::clay(),
+            preset: "clay",
             ground: false,
         }
         .scene(),
