@@ -80,6 +80,8 @@ pub(super) fn empty_data(scalar: Scalar, capacity: usize) -> ColumnData {
     with_scalar!(scalar, T => Vec::<T>::with_capacity(capacity).into())
 }
 
+pub(super) use with_scalar;
+
 impl Scalar {
     /// Size in bytes.
     pub(super) fn size(self) -> usize {

@@ -17,6 +17,9 @@ mod ply;
 mod ply_write;
 mod raw_xyz;
 mod text;
+mod vtk_legacy;
+mod vtk_values;
+mod vtk_xml;
 mod write;
 mod vtk_write;
 mod xyz_write;
@@ -90,6 +93,8 @@ macro_rules! formats {
 }
 formats! {
     Ply ply "ply" "Polygon File Format, Stanford PLY, ascii or binary (.ply)";
+    VtkLegacy vtk_legacy "vtk" "VTK legacy, ascii or binary, versions 1.0 to 5.1 (.vtk)";
+    VtkXml vtk_xml "vtk-xml" "VTK XML, ascii, base64 or appended, compressed or not (.vtu .vtp .vts)";
     RawXyz raw_xyz "raw-xyz" "raw little-endian f32 x y z triples without a header (.xyz of splashsurf)";
 }
 
