@@ -6,7 +6,7 @@ use std::io::{Result, Write};
 
 /// Writes everything, numbers so that they read back exactly.
 pub(super) fn write(particles: &Particles, out: &mut impl Write) -> Result<Vec<String>> {
-    let mut table = csv::Writer::from_writer(out);
+    let mut table = ::csv::Writer::from_writer(out);
     let axes = ["x", "y", "z"].map(str::to_owned);
     let header = axes
         .into_iter()

@@ -6,16 +6,20 @@
 //! a number that stands in the file without holding it against the bytes that are really there.
 
 pub mod error;
+mod bgeo;
 mod bgeo_write;
 mod bytes;
+mod csv;
 mod csv_write;
 mod elements;
 mod foreign;
+mod geo;
 mod gzip;
 mod npy_write;
 mod ply;
 mod ply_write;
 mod raw_xyz;
+mod table;
 mod text;
 mod vtk_legacy;
 mod vtk_values;
@@ -95,6 +99,9 @@ formats! {
     Ply ply "ply" "Polygon File Format, Stanford PLY, ascii or binary (.ply)";
     VtkLegacy vtk_legacy "vtk" "VTK legacy, ascii or binary, versions 1.0 to 5.1 (.vtk)";
     VtkXml vtk_xml "vtk-xml" "VTK XML, ascii, base64 or appended, compressed or not (.vtu .vtp .vts)";
+    Bgeo bgeo "bgeo" "Houdini's classic binary geometry, version 5 (.bgeo)";
+    Geo geo "geo" "Houdini's classic text geometry, version 5 (.geo)";
+    Csv csv "csv" "text table with a header, separated by commas, semicolons or tabs (.csv, .tsv)";
     RawXyz raw_xyz "raw-xyz" "raw little-endian f32 x y z triples without a header (.xyz of splashsurf)";
 }
 
