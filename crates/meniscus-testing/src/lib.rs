@@ -5,6 +5,7 @@ pub mod corpus;
 pub mod data;
 pub mod examine;
 pub mod excuse;
+pub mod image;
 pub mod oracle;
 pub mod random;
 pub mod rays;
