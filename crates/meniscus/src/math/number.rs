@@ -2,7 +2,8 @@
 //!
 //! A formula generic over [`Number`] runs on f32, f64, SIMD lanes and dual numbers alike.
 
-use std::ops::{Add, Mul, Sub};
+use fearless_simd::SimdFloat;
+use std::ops::{Add, Div, Mul, Sub};
 
 /// A field of numbers with constants taken from f32.
 ///
@@ -13,9 +14,15 @@ pub trait Number:
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
+    + Div<Output = Self>
     + Mul<f32, Output = Self>
     + Add<f32, Output = Self>
 {
+    /// `self·factor + summand`, fused where the machine does that at no cost.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, summand: Self) -> Self {
+        self * factor + summand
+    }
 }
 
 impl Number for f32 {}
@@ -43,6 +50,12 @@ macro_rules! f64_operator {
 f64_operator!(Add, add, +);
 f64_operator!(Sub, sub, -);
 f64_operator!(Mul, mul, *);
+f64_operator!(Div, div, /);
 impl Number for F64 {}
 
-impl<S: fearless_simd::Simd> Number for fearless_simd::f32x16<S> {}
+impl<S: fearless_simd::Simd> Number for fearless_simd::f32x16<S> {
+    #[inline(always)]
+    fn mul_add(self, factor: Self, summand: Self) -> Self {
+        SimdFloat::mul_add(self, factor, summand)
+    }
+}

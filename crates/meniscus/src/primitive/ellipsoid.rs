@@ -1,8 +1,9 @@
 //! The ellipsoid: q(x) = dᵀMd = |Ad|² with A the upper-triangular Cholesky factor of the metric M
 //! (Ray Tracing Gems II, §35.2).
 
-use super::Primitive;
+use super::{AlongLine, Primitive, Shapes, dot};
 use crate::math::number::Number;
+use crate::math::simd::xyz;
 use glam::{DMat3, DVec3};
 
 /// The factor A of one ellipsoid, row by row: a00 a01 a02 a11 a12 a22.
@@ -74,10 +75,13 @@ impl Ellipsoid {
     /// Half extents of the axis-aligned box around q ≤ 1: the lengths of the rows of A⁻¹.
     pub fn half_extents(&self) -> [f32; 3] {
         let inverse = self.matrix().inverse();
-        [0, 1, 2].map(|row| {
-            let exact = inverse.row(row).length();
-            (exact * (1.0 + 1e-6)) as f32
-        })
+        xyz(
+            #[inline(always)]
+            |row| {
+                let exact = inverse.row(row).length();
+                (exact * (1.0 + 1e-6)) as f32
+            },
+        )
     }
 }
 
@@ -100,5 +104,26 @@ impl Primitive for Ellipsoid {
             a[1] * y[0] + a[3] * y[1],
             a[2] * y[0] + a[4] * y[1] + a[5] * y[2],
         ]
+    }
+
+    #[inline(always)]
+    fn along<N: Number>(a: &[N], w: [N; 3], d: [N; 3]) -> AlongLine<N> {
+        let y = Self::transform(a, w);
+        let v = Self::transform(a, d);
+        let beta = dot(v, v);
+        let c = dot(y, v) / beta;
+        let e = xyz(
+            #[inline(always)]
+            |k| y[k] - c * v[k],
+        );
+        let g0 = dot(e, e) * -1.0 + 1.0;
+        AlongLine { c, beta, g0 }
+    }
+
+    fn pack(shapes: &Shapes, i: usize, columns: &mut [f32]) {
+        let Shapes::Ellipsoids(factors) = shapes else {
+            panic!("ellipsoids expected");
+        };
+        columns.copy_from_slice(&factors[i].0);
     }
 }

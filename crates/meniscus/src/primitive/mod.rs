@@ -22,11 +22,32 @@ pub trait Primitive: Copy + Send + Sync + 'static {
     /// Aᵀ·y, which takes a gradient in the unit ball's space back.
     fn transform_transposed<N: Number>(columns: &[N], y: [N; 3]) -> [N; 3];
 
-    /// |A|·half with entries' absolute values: the half size of a box after the transform. `columns`
-    /// are those of `abs_columns`.
-    fn transform_box<N: Number>(abs_columns: &[N], half: [N; 3]) -> [N; 3] {
-        Self::transform(abs_columns, half)
-    }
+    /// The blob along a line of unit direction `d`, with `w` the vector from the line's origin to
+    /// the centre: g(s) = g₀ − β(s − c)².
+    fn along<N: Number>(columns: &[N], w: [N; 3], d: [N; 3]) -> AlongLine<N>;
+
+    /// Writes blob `i`'s columns of `shapes`.
+    ///
+    /// # Panics
+    /// If `shapes` is not of this kind or `i` is out of range.
+    fn pack(shapes: &Shapes, i: usize, columns: &mut [f32]);
+}
+
+/// One blob along a line: 1 − q(s) = g₀ − β(s − c)².
+#[derive(Debug, Clone, Copy)]
+pub struct AlongLine<N> {
+    /// Parameter of the point nearest the centre (in the metric).
+    pub c: N,
+    /// Falloff, 1/length².
+    pub beta: N,
+    /// 1 − q at `c`; not positive: the line misses the support.
+    pub g0: N,
+}
+
+/// x·x + y·y + z·z.
+#[inline(always)]
+pub fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 /// The shapes of all blobs of a field: one kind per field (a ball is an ellipsoid with A = I/R).

@@ -2,6 +2,8 @@
 
 pub use fearless_simd::Level;
 
+use fearless_simd::{Simd, SimdBase};
+
 /// A level by name, as `--simd` takes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SimdLevel {
@@ -66,4 +68,22 @@ pub fn level_name(level: Level) -> &'static str {
         Level::Neon(_) => "neon",
         _ => "baseline",
     }
+}
+
+/// `[f(0), f(1), f(2)]`, always inlined: `array::map` is not, and what is not inlined into a
+/// function compiled for a SIMD level runs without that level's instructions. Mark the closure
+/// `#[inline(always)]` too.
+#[inline(always)]
+pub fn xyz<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
+}
+
+/// Three splatted numbers.
+#[inline(always)]
+pub fn splat3<S: Simd, V: SimdBase<S, Element = f32>>(simd: S, v: [f32; 3]) -> [V; 3] {
+    [
+        V::splat(simd, v[0]),
+        V::splat(simd, v[1]),
+        V::splat(simd, v[2]),
+    ]
 }

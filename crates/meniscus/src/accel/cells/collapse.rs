@@ -1,0 +1,62 @@
+//! Turns the binary tree of cells into eight-wide nodes.
+
+use super::build::BinaryNode;
+use super::layout::{LEAF, Node};
+use crate::math::aabb::Aabb;
+
+/// Eight-wide nodes, root first, from a binary tree. `part_offsets[p]` is the first block of part p
+/// in the joined array; boxes are stored grown by `pad`.
+pub(super) fn collapse(root: &BinaryNode, part_offsets: &[u32], pad: f32) -> Vec<Node> {
+    let mut nodes = vec![Node::EMPTY];
+    match root {
+        BinaryNode::Split(..) => fill(root, 0, &mut nodes, part_offsets, pad),
+        BinaryNode::Leaf { .. } => place(root, 0, 0, &mut nodes, part_offsets, pad),
+    }
+    nodes
+}
+
+/// Makes node `index` of a split: opens the largest child until eight are there.
+fn fill(split: &BinaryNode, index: usize, nodes: &mut Vec<Node>, offsets: &[u32], pad: f32) {
+    let mut children: Vec<&BinaryNode> = vec![split];
+    while children.len() < 8 {
+        let widest = children
+            .iter()
+            .enumerate()
+            .filter(|(_, child)| matches!(child, BinaryNode::Split(..)))
+            .max_by(|(_, a), (_, b)| a.bounds().half_area().total_cmp(&b.bounds().half_area()))
+            .map(|(slot, _)| slot);
+        let Some(slot) = widest else { break };
+        if let BinaryNode::Split(_, pair) = children.swap_remove(slot) {
+            children.extend(pair.iter());
+        }
+    }
+    for (slot, child) in children.into_iter().enumerate() {
+        place(child, index, slot, nodes, offsets, pad);
+    }
+}
+
+fn place(
+    child: &BinaryNode,
+    parent: usize,
+    slot: usize,
+    nodes: &mut Vec<Node>,
+    offsets: &[u32],
+    pad: f32,
+) {
+    let reference = match child {
+        BinaryNode::Leaf { part, block, .. } => LEAF | (offsets[*part as usize] + block),
+        BinaryNode::Split(..) => {
+            let index = nodes.len();
+            nodes.push(Node::EMPTY);
+            fill(child, index, nodes, offsets, pad);
+            index as u32
+        }
+    };
+    let Aabb { min, max } = child.bounds().padded(pad);
+    let node = &mut nodes[parent];
+    for axis in 0..3 {
+        node.bounds[axis][slot] = min[axis];
+        node.bounds[3 + axis][slot] = max[axis];
+    }
+    node.children[slot] = reference;
+}

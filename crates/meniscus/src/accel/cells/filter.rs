@@ -1,0 +1,277 @@
+//! Which blobs reach a box, and between which bounds their field lies in it.
+//!
+//! For a box and a blob, y = A(centre − p) and e = |A|·half bound q over the box by
+//! qmin = Σ max(|yₖ| − eₖ, 0)² and qmax = Σ (|yₖ| + eₖ)², hence F by Σ w·k(qmin) and Σ w·k(qmax).
+//! In a box smaller than the supports F at the centre, its gradient and a bound of its second
+//! derivative bound F far better.
+
+use super::layout::LANES;
+use crate::kernel::KernelShape;
+use crate::math::aabb::Aabb;
+use crate::math::number::Number;
+use crate::math::simd::{splat3, xyz};
+use crate::primitive::{Primitive, dot};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, u32x16};
+use glam::Vec3;
+
+/// Most columns that a blob can have: centre, shape, weight.
+const SHAPE_AT: usize = 3;
+
+/// A list of blobs as columns: x, y, z, shape…, weight, and their indices. Every column is padded to
+/// whole chunks with blobs that reach nothing.
+#[derive(Debug, Default, Clone)]
+pub(super) struct BlobList {
+    /// Blobs in the list; columns are longer.
+    pub(super) count: usize,
+    /// `columns[k]` holds column k, `count` rounded up to [`LANES`] long plus one spare chunk.
+    pub(super) columns: Vec<Vec<f32>>,
+    /// Indices into the field.
+    pub(super) indices: Vec<u32>,
+}
+
+impl BlobList {
+    /// Empties the list and makes room for `capacity` blobs of `columns` columns.
+    pub(super) fn reset(&mut self, columns: usize, capacity: usize) {
+        let padded = capacity.next_multiple_of(LANES) + LANES;
+        self.count = 0;
+        self.columns.resize_with(columns, Vec::new);
+        for column in &mut self.columns {
+            if column.len() < padded {
+                column.resize(padded, 0.0);
+            }
+        }
+        if self.indices.len() < padded {
+            self.indices.resize(padded, 0);
+        }
+    }
+
+    /// Gives the lanes after the last blob values that no box reaches.
+    fn pad(&mut self) {
+        let end = self.count.next_multiple_of(LANES);
+        for (k, column) in self.columns.iter_mut().enumerate() {
+            // Far away in x with weight 0; the rest finite so that no NaN arises.
+            let value = if k == 0 { 1e15 } else { 0.0 };
+            column[self.count..end].fill(value);
+        }
+        self.columns[SHAPE_AT][self.count..end].fill(1.0);
+        self.indices[self.count..end].fill(u32::MAX);
+    }
+
+    /// Appends one blob; call [`BlobList::pad`] through [`BlobList::finish`] afterwards.
+    pub(super) fn push(&mut self, values: &[f32], index: u32) {
+        for (column, value) in self.columns.iter_mut().zip(values) {
+            column[self.count] = *value;
+        }
+        self.indices[self.count] = index;
+        self.count += 1;
+    }
+
+    /// Completes a list made with [`BlobList::push`].
+    pub(super) fn finish(&mut self) {
+        self.pad();
+    }
+}
+
+/// Lower and upper bound of the field over a box.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FieldBounds {
+    pub(super) lower: f32,
+    pub(super) upper: f32,
+}
+
+/// Sixteen numbers of column `k`.
+#[inline(always)]
+fn lanes_at<S: Simd>(simd: S, columns: &[Vec<f32>], k: usize, at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &columns[k][at..at + LANES])
+}
+
+struct BoxLanes<S: Simd> {
+    center: [f32x16<S>; 3],
+    half: [f32x16<S>; 3],
+}
+
+impl<S: Simd> BoxLanes<S> {
+    #[inline(always)]
+    fn new(simd: S, center: Vec3, half: Vec3) -> Self {
+        Self {
+            center: splat3(simd, center.to_array()),
+            half: splat3(simd, half.to_array()),
+        }
+    }
+}
+
+/// Sums over blobs from which the bounds follow, sixteen partial sums each.
+struct Sums<S: Simd> {
+    /// Σ w·k at the farthest and nearest point of the box.
+    lower: f32x16<S>,
+    upper: f32x16<S>,
+    /// F and ∇F at the centre.
+    value: f32x16<S>,
+    gradient: [f32x16<S>; 3],
+    /// Bounds of −F″ and +F″ along any direction, anywhere in the box.
+    concave: f32x16<S>,
+    convex: f32x16<S>,
+}
+
+impl<S: Simd> Sums<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        Self {
+            lower: zero,
+            upper: zero,
+            value: zero,
+            gradient: [zero; 3],
+            concave: zero,
+            convex: zero,
+        }
+    }
+
+    /// Adds the sixteen blobs at `at`; returns their qmin over the box.
+    #[inline(always)]
+    fn add<K: KernelShape, P: Primitive, const CLOSE: bool>(
+        &mut self,
+        simd: S,
+        place: &BoxLanes<S>,
+        columns: &[Vec<f32>],
+        at: usize,
+    ) -> f32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let mut shape = [zero; 6];
+        let mut abs_shape = [zero; 6];
+        for k in 0..P::COLUMNS {
+            shape[k] = lanes_at(simd, columns, SHAPE_AT + k, at);
+            abs_shape[k] = shape[k].abs();
+        }
+        let shape = &shape[..P::COLUMNS];
+        let weight = lanes_at(simd, columns, SHAPE_AT + P::COLUMNS, at);
+        let positive = weight.max(zero);
+        let negative = weight.min(zero);
+        let y = P::transform(
+            shape,
+            xyz(
+                #[inline(always)]
+                |k| place.center[k] - lanes_at(simd, columns, k, at),
+            ),
+        );
+        let e = P::transform(&abs_shape[..P::COLUMNS], place.half);
+        let near = xyz(
+            #[inline(always)]
+            |k| (y[k].abs() - e[k]).max(zero),
+        );
+        let far = xyz(
+            #[inline(always)]
+            |k| y[k].abs() + e[k],
+        );
+        let qmin = dot(near, near);
+        let g_most = (qmin * -1.0 + 1.0).max(zero);
+        let g_least = (dot(far, far) * -1.0 + 1.0).max(zero);
+        let (most, least) = (K::of_g(g_most), K::of_g(g_least));
+        self.upper = Number::mul_add(positive, most, Number::mul_add(negative, least, self.upper));
+        self.lower = Number::mul_add(positive, least, Number::mul_add(negative, most, self.lower));
+        if CLOSE {
+            let g = (dot(y, y) * -1.0 + 1.0).max(zero);
+            self.value = Number::mul_add(weight, K::of_g(g), self.value);
+            let scale = weight * K::slope(g) * -2.0;
+            let pull = P::transform_transposed(shape, y);
+            for k in 0..3 {
+                self.gradient[k] = Number::mul_add(scale, pull[k], self.gradient[k]);
+            }
+            // k″ along a unit u is 4k₂(yᵀAu)² − 2k₁|Au|² with k₁, k₂ the derivatives by g.
+            let mut steepest = zero;
+            for a in shape {
+                steepest = Number::mul_add(*a, *a, steepest);
+            }
+            let reached = g_most.simd_gt(zero);
+            let down = K::slope(g_most) * 2.0 * steepest;
+            let up = (K::curvature(g_most) * 4.0 * (g_least * -1.0 + 1.0)
+                - K::slope(g_least) * 2.0)
+                .max(zero)
+                * steepest;
+            let (down, up) = (reached.select(down, zero), reached.select(up, zero));
+            self.concave = Number::mul_add(positive, down, self.concave - negative * up);
+            self.convex = Number::mul_add(positive, up, self.convex - negative * down);
+        }
+        qmin
+    }
+
+    #[inline(always)]
+    fn bounds<const CLOSE: bool>(self, half: Vec3) -> FieldBounds {
+        let (lower, upper) = (self.lower.reduce_sum(), self.upper.reduce_sum());
+        if !CLOSE {
+            return FieldBounds { lower, upper };
+        }
+        let value = self.value.reduce_sum();
+        let [x, y, z] = self.gradient;
+        let slope = x.reduce_sum().abs() * half.x
+            + y.reduce_sum().abs() * half.y
+            + z.reduce_sum().abs() * half.z;
+        let reach = 0.5 * half.length_squared();
+        FieldBounds {
+            lower: lower.max(value - slope - reach * self.concave.reduce_sum()),
+            upper: upper.min(value + slope + reach * self.convex.reduce_sum()),
+        }
+    }
+}
+
+/// Centre and half size of a box, rounded so that they cover it.
+fn center_and_half(bounds: Aabb) -> (Vec3, Vec3) {
+    (bounds.center(), bounds.size() * 0.500_000_2)
+}
+
+/// Bounds of the field of `list` over `bounds`, the tight kind.
+#[inline(always)]
+pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
+    list: &BlobList,
+    bounds: Aabb,
+) -> FieldBounds {
+    let (center, half) = center_and_half(bounds);
+    let place = BoxLanes::new(simd, center, half);
+    let mut sums = Sums::new(simd);
+    for at in (0..list.count).step_by(LANES) {
+        sums.add::<K, P, true>(simd, &place, &list.columns, at);
+    }
+    sums.bounds::<true>(half)
+}
+
+/// Writes the blobs of `from` that reach `bounds` to `to` and returns the field's bounds there. With
+/// `CLOSE` the bounds include those of second order about the centre, worth their cost once the box
+/// is no larger than the supports.
+#[inline(always)]
+pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive, const CLOSE: bool>(
+    simd: S,
+    from: &BlobList,
+    bounds: Aabb,
+    to: &mut BlobList,
+) -> FieldBounds {
+    let column_count = SHAPE_AT + P::COLUMNS + 1;
+    to.reset(column_count, from.count);
+    let (center, half) = center_and_half(bounds);
+    let place = BoxLanes::new(simd, center, half);
+    let one = f32x16::splat(simd, 1.0);
+    let mut sums = Sums::new(simd);
+    let mut count = 0;
+    for at in (0..from.count).step_by(LANES) {
+        let qmin = sums.add::<K, P, CLOSE>(simd, &place, &from.columns, at);
+        let reached = qmin.simd_lt(one);
+        let bits = reached.to_bitmask();
+        if bits == 0 {
+            continue;
+        }
+        let end = count + LANES;
+        for k in 0..column_count {
+            lanes_at(simd, &from.columns, k, at)
+                .compress(reached)
+                .store_slice(&mut to.columns[k][count..end]);
+        }
+        u32x16::from_slice(simd, &from.indices[at..at + LANES])
+            .compress(reached)
+            .store_slice(&mut to.indices[count..end]);
+        count += bits.count_ones() as usize;
+    }
+    to.count = count;
+    to.pad();
+    sums.bounds::<CLOSE>(half)
+}

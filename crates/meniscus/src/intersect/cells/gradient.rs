@@ -1,0 +1,62 @@
+//! The field's gradient and strongest blob at a point of a leaf.
+
+use super::gather::lanes;
+use crate::accel::cells::layout::{Block, blocks_per_chunk};
+use crate::kernel::KernelShape;
+use crate::math::number::Number;
+use crate::math::simd::{splat3, xyz};
+use crate::primitive::{Primitive, dot};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, u32x16};
+use glam::DVec3;
+
+/// −∇F and the index of the blob with the largest |w·k| at `point` (leaf-relative).
+#[inline(always)]
+pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
+    chunks: &[Block],
+    point: [f32; 3],
+) -> (DVec3, u32) {
+    let zero = f32x16::splat(simd, 0.0);
+    let point: [f32x16<S>; 3] = splat3(simd, point);
+    let mut sum = [zero; 3];
+    let mut best = f32x16::splat(simd, -1.0);
+    let mut best_index = u32x16::splat(simd, 0);
+    for chunk in chunks.chunks_exact(blocks_per_chunk(P::COLUMNS)) {
+        let d = xyz(
+            #[inline(always)]
+            |k| point[k] - lanes(simd, chunk, k),
+        );
+        let mut shape = [zero; 6];
+        for k in 0..P::COLUMNS {
+            shape[k] = lanes(simd, chunk, 3 + k);
+        }
+        let y = P::transform(&shape[..P::COLUMNS], d);
+        let g = (dot(y, y) * -1.0 + 1.0).max(zero);
+        let weight = lanes(simd, chunk, 3 + P::COLUMNS);
+        // ∂g/∂x = −2 Aᵀy, so −∇F sums w·k′(g)·2·Aᵀy.
+        let scale = weight * K::slope(g) * 2.0;
+        let pull = P::transform_transposed(&shape[..P::COLUMNS], y);
+        for k in 0..3 {
+            sum[k] = Number::mul_add(scale, pull[k], sum[k]);
+        }
+        let strength = (weight * K::of_g(g)).abs();
+        let stronger = strength.simd_gt(best);
+        best = stronger.select(strength, best);
+        best_index = stronger.select(lanes(simd, chunk, 4 + P::COLUMNS).to_bits(), best_index);
+    }
+    let outward = DVec3::new(
+        f64::from(sum[0].reduce_sum()),
+        f64::from(sum[1].reduce_sum()),
+        f64::from(sum[2].reduce_sum()),
+    );
+    let (strengths, indices): ([f32; 16], [u32; 16]) = (best.to_array(), best_index.to_array());
+    let mut strongest = 0;
+    for lane in 1..16 {
+        let (a, b) = (strengths[lane], strengths[strongest]);
+        if a > b || (a == b && indices[lane] < indices[strongest]) {
+            strongest = lane;
+        }
+    }
+    (outward, indices[strongest])
+}

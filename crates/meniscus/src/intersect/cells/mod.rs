@@ -1,0 +1,267 @@
+//! Engine `cells`: visits the pierced leaves in order; in each gathers the blobs that the segment
+//! meets and solves for the first change of side.
+
+mod gather;
+mod gradient;
+mod solve;
+
+use super::{BlobHit, Scratch};
+use crate::accel::cells::Cells;
+use crate::accel::cells::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
+use crate::accel::cells::traverse::{SlabRay, Stack, visit_leaves};
+use crate::frame::Blobs;
+use crate::kernel::KernelShape;
+use crate::math::ray::{Ray, Side};
+use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
+use crate::with_kernel;
+use fearless_simd::{Simd, dispatch};
+use gather::{Active, gather};
+use glam::DVec3;
+use solve::{Entry, Segment, Solver, Verdict};
+
+/// Accuracy of t that the solver aims at, in spacings.
+const T_TOLERANCE_SPACINGS: f32 = 2e-5;
+
+/// Buffers of one thread.
+#[derive(Debug, Default)]
+pub struct CellsScratch {
+    stack: Stack,
+    active: Active,
+}
+
+/// The first crossing in the engine's own terms.
+struct Found {
+    t: f64,
+    block: u32,
+    entering: bool,
+}
+
+/// A ray in local coordinates with a unit direction, moved to where it can first meet the cells.
+struct LocalRay {
+    /// Start of the stretch that is traced, local f64.
+    origin: DVec3,
+    /// Unit direction.
+    direction: DVec3,
+    /// Unit-length parameter of `origin` on the caller's ray.
+    t_start: f64,
+    /// Length of the stretch.
+    length: f32,
+    /// Whether `origin` lies at the caller's t_min (otherwise the ray came from outside the cells).
+    starts_at_t_min: bool,
+    /// 1/|direction| of the caller's ray.
+    per_unit: f64,
+    inside: bool,
+}
+
+/// First crossing of a traceable object-space ray.
+pub fn closest(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Option<BlobHit> {
+    let found = find(blobs, cells, ray, scratch)?;
+    let at = ray.at(found.t) - blobs.field.origin;
+    let (outward, strongest) = gradient_at(blobs, cells, found.block, at);
+    Some(BlobHit {
+        t: found.t,
+        outward,
+        strongest,
+        entering: found.entering,
+    })
+}
+
+/// Whether a traceable object-space ray has a crossing.
+pub fn occluded(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
+    find(blobs, cells, ray, scratch).is_some()
+}
+
+/// Runs `$body` with the field's kernel, primitive and SIMD token as types: the one dispatch.
+macro_rules! specialised {
+    ($blobs:expr, $simd:ident, $kernel:ident, $primitive:ident => $body:expr) => {
+        match &$blobs.field.shapes {
+            Shapes::Balls(_) => with_kernel!($blobs.field.kernel, $kernel => {
+                type $primitive = Ball;
+                dispatch!($blobs.level, $simd => $body)
+            }),
+            Shapes::Ellipsoids(_) => with_kernel!($blobs.field.kernel, $kernel => {
+                type $primitive = Ellipsoid;
+                dispatch!($blobs.level, $simd => $body)
+            }),
+        }
+    };
+}
+
+fn find(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Option<Found> {
+    scratch.counters.rays += 1;
+    let local = local_ray(blobs, cells, ray)?;
+    scratch.cells.active.reserve(cells.largest_leaf);
+    let found = specialised!(blobs, simd, K, P => {
+        find_in_cells::<_, K, P>(simd, blobs, cells, &local, scratch)
+    })?;
+    let t = (local.t_start + found.t) * local.per_unit;
+    Some(Found {
+        t: t.clamp(ray.t_min, ray.t_max),
+        ..found
+    })
+}
+
+/// Clips the ray against the cells' box in f64, so that f32 never sees a far origin.
+fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
+    let bounds = cells.bounds?;
+    let per_unit = ray.direction.length().recip();
+    let direction = ray.direction * per_unit;
+    let origin = ray.origin - blobs.field.origin;
+    let (t_min, t_max) = (ray.t_min / per_unit, ray.t_max / per_unit);
+    let (mut enter, mut leave) = (t_min, t_max);
+    for axis in 0..3 {
+        let (lower, upper) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
+        if direction[axis] == 0.0 {
+            if origin[axis] < lower || origin[axis] > upper {
+                return None;
+            }
+            continue;
+        }
+        let to_lower = (lower - origin[axis]) / direction[axis];
+        let to_upper = (upper - origin[axis]) / direction[axis];
+        enter = enter.max(to_lower.min(to_upper));
+        leave = leave.min(to_lower.max(to_upper));
+    }
+    if enter > leave || !enter.is_finite() || !per_unit.is_finite() {
+        return None;
+    }
+    let start = origin + direction * t_min;
+    let starts_at_t_min = enter <= t_min;
+    let inside = match ray.side {
+        Side::Inside => true,
+        Side::Outside => false,
+        // The box holds all surface, so outside it the field lies below the threshold.
+        Side::Unknown => starts_at_t_min && side_temp(&blobs.field, start),
+    };
+    Some(LocalRay {
+        origin: origin + direction * enter,
+        direction,
+        t_start: enter,
+        length: (leave - enter) as f32,
+        starts_at_t_min,
+        per_unit,
+        inside,
+    })
+}
+
+#[inline(always)]
+fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
+    blobs: &Blobs,
+    cells: &Cells,
+    ray: &LocalRay,
+    scratch: &mut Scratch,
+) -> Option<Found> {
+    let slab_ray = SlabRay::new(
+        ray.origin.as_vec3().to_array(),
+        ray.direction.as_vec3().to_array(),
+        ray.length,
+    );
+    let CellsScratch { stack, active } = &mut scratch.cells;
+    let counters = &mut scratch.counters;
+    let direction = ray.direction.as_vec3().to_array();
+    let solver = Solver {
+        threshold: blobs.field.threshold,
+        inside: ray.inside,
+        tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
+    };
+    // A leaf entered this close to t_min may hold the start although rounding says otherwise.
+    let start_margin = 4e-6 * cells.bounds.map_or(0.0, |b| b.size().max_element());
+    // Whether samples have shown the ray on the side that it is said to start on.
+    let mut on_stated_side = !ray.starts_at_t_min;
+    let mut first_leaf = true;
+    let mut found = None;
+    let nodes = simd.vectorize(
+        #[inline(always)]
+        || {
+            visit_leaves(
+                simd,
+                cells,
+                &slab_ray,
+                stack,
+                #[inline(always)]
+                |block, near, far| {
+                    counters.leaves += 1;
+                    if first_leaf && near > start_margin {
+                        on_stated_side = true;
+                    }
+                    first_leaf = false;
+                    let header = LeafHeader::from_block(&cells.blocks[block as usize]);
+                    counters.blob_evaluations += header.count as u64;
+                    let center = glam::Vec3::from_array(header.center).as_dvec3();
+                    let origin = (ray.origin + ray.direction * f64::from(near) - center).as_vec3();
+                    let chunks = leaf_chunks::<P>(&cells.blocks, block, header.count);
+                    let length = far - near;
+                    let reach = gather::<S, K, P>(
+                        simd,
+                        chunks,
+                        origin.to_array(),
+                        direction,
+                        length,
+                        active,
+                    );
+                    if !solver.inside && reach < solver.threshold {
+                        on_stated_side = true;
+                        return false;
+                    }
+                    let entry = if on_stated_side {
+                        Entry::Confirmed
+                    } else {
+                        Entry::Unconfirmed
+                    };
+                    match solver.first_crossing::<S, K>(simd, active, Segment { length, entry }) {
+                        Verdict::Crossing(s) => {
+                            found = Some(Found {
+                                t: f64::from(near) + f64::from(s),
+                                block,
+                                entering: !solver.inside,
+                            });
+                            true
+                        }
+                        Verdict::StaysOnSide => {
+                            on_stated_side = true;
+                            false
+                        }
+                        Verdict::NeverOnSide => false,
+                    }
+                },
+            )
+        },
+    );
+    counters.nodes += nodes;
+    found
+}
+
+/// The blobs of the leaf at `block`, chunk after chunk.
+#[inline(always)]
+fn leaf_chunks<P: Primitive>(blocks: &[Block], block: u32, count: usize) -> &[Block] {
+    let first = block as usize + 1;
+    &blocks[first..first + count.div_ceil(LANES) * blocks_per_chunk(P::COLUMNS)]
+}
+
+/// −∇F and the strongest blob at a local point of the leaf at `block`.
+fn gradient_at(blobs: &Blobs, cells: &Cells, block: u32, at: DVec3) -> (DVec3, u32) {
+    let header = LeafHeader::from_block(&cells.blocks[block as usize]);
+    let center = glam::Vec3::from_array(header.center).as_dvec3();
+    let point = (at - center).as_vec3().to_array();
+    specialised!(blobs, simd, K, P => simd.vectorize(
+        #[inline(always)]
+        || gradient::outward_and_strongest::<_, K, P>(
+            simd,
+            leaf_chunks::<P>(&cells.blocks, block, header.count),
+            point,
+        )
+    ))
+}
+
+fn side_temp(field: &crate::field::BlobField, x: DVec3) -> bool {
+    let f: f64 = (0..field.len())
+        .map(|i| {
+            f64::from(field.weights[i])
+                * field
+                    .kernel
+                    .value(field.shapes.q(i, x - field.center(i).as_dvec3()))
+        })
+        .sum();
+    f > f64::from(field.threshold)
+}
