@@ -3,6 +3,23 @@
 //! "Local" coordinates are the object's own minus [`BlobField::origin`]: small numbers that f32 can
 //! carry even for a cloud a million units away.
 
+mod build;
+mod error;
+mod evaluate;
+mod metric;
+mod pack;
+mod report;
+mod search;
+mod supports;
+mod weights;
+
+pub use build::{FieldBuild, LARGEST_COORDINATE};
+pub use error::FieldError;
+pub use evaluate::Contribution;
+pub use metric::MetricOrder;
+pub use report::{FieldReport, SupportSource};
+pub use search::Search;
+
 use crate::kernel::Kernel;
 use crate::math::aabb::Aabb;
 use crate::primitive::Shapes;
@@ -40,6 +57,8 @@ pub struct BlobField {
     pub attributes: Vec<FieldAttribute>,
     /// Median distance of nearest neighbours: the length that tolerances are stated in.
     pub spacing: f32,
+    /// Finds the blobs at a point; `Search::default()` until the first question.
+    pub search: Search,
 }
 
 impl BlobField {
@@ -77,3 +96,6 @@ impl BlobField {
         self.weights.iter().any(|&w| w < 0.0)
     }
 }
+
+#[cfg(test)]
+mod tests;

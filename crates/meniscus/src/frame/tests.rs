@@ -1,5 +1,5 @@
 use super::*;
-use crate::field::FieldAttribute;
+use crate::field::{FieldAttribute, Search};
 use crate::kernel::Kernel;
 use crate::math::aabb::DAabb;
 use crate::primitive::Shapes;
@@ -22,6 +22,7 @@ fn field(centers: Vec<[f32; 3]>) -> BlobField {
             data: (0..count).flat_map(|i| [i as f32, -3.0, 4.0]).collect(),
         }],
         spacing: 1.0,
+        search: Search::default(),
         centers,
     }
 }

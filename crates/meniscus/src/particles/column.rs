@@ -52,6 +52,14 @@ macro_rules! column_data {
                 })* }
             }
 
+            fn read(&self, first: usize, stride: usize, out: &mut [f64]) {
+                match self { $(Self::$variant(values) => {
+                    for (value, out) in values[first..].iter().step_by(stride).zip(out) {
+                        *out = *value as f64;
+                    }
+                })* }
+            }
+
             /// Writes number `i` with as many digits as it takes to read it back exactly.
             pub(super) fn write_text(
                 &self,
@@ -114,6 +122,16 @@ impl Column {
     pub fn get(&self, row: usize, component: usize) -> f64 {
         debug_assert!(component < self.components);
         self.data.get(row * self.components + component)
+    }
+
+    /// Component `component` of the `out.len()` particles from row `first` on, as f64.
+    ///
+    /// # Panics
+    /// If `first` or `component` is out of range.
+    pub fn read(&self, first: usize, component: usize, out: &mut [f64]) {
+        debug_assert!(component < self.components);
+        self.data
+            .read(first * self.components + component, self.components, out);
     }
 
     /// Keeps these rows, in this order.

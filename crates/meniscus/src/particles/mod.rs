@@ -1,10 +1,17 @@
 //! Particles: positions and named columns, as files and simulations give them.
 
+pub mod attribute;
 pub mod column;
+pub mod filter;
 pub mod io;
+pub mod neighbours;
+pub mod roles;
 pub mod sequence;
+pub mod spacing;
 
+pub use attribute::{Attribute, MissingColumn};
 pub use column::{Column, ColumnData};
+pub use roles::Role;
 
 use glam::DVec3;
 
@@ -60,5 +67,13 @@ impl Particles {
         for column in &mut self.columns {
             column.select(&kept);
         }
+    }
+
+    /// Drops particles whose position is NaN or infinite; says how many there were.
+    pub fn drop_non_finite(&mut self) -> usize {
+        let before = self.len();
+        let finite: Vec<bool> = self.positions.iter().map(|p| p.is_finite()).collect();
+        self.retain(|i| finite[i]);
+        before - self.len()
     }
 }

@@ -26,8 +26,19 @@ impl Ellipsoid {
     /// From the metric M of q(d) = dᵀMd.
     ///
     /// # Errors
-    /// When M is not positive definite or not finite.
+    /// When M is not positive definite or not finite, or its factor does not fit into f32.
     pub fn from_metric(metric: DMat3) -> Result<Self, MetricError> {
+        let factor = Self::factor_of(metric)?.map(|a| a as f32);
+        let usable = factor.iter().all(|a| a.is_finite())
+            && [0, 3, 5].iter().all(|&i| factor[i] > f32::MIN_POSITIVE);
+        usable.then_some(Self(factor)).ok_or(MetricError)
+    }
+
+    /// The factor of the metric M in float64, in the order of [`Ellipsoid`]; reads M's upper triangle.
+    ///
+    /// # Errors
+    /// When M is not positive definite or not finite.
+    pub fn factor_of(metric: DMat3) -> Result<[f64; 6], MetricError> {
         // M = AᵀA with A upper triangular.
         let m = |row: usize, column: usize| metric.col(column)[row];
         let root = |square: f64| {
@@ -41,10 +52,9 @@ impl Ellipsoid {
         let a11 = root(m(1, 1) - a01 * a01)?;
         let a12 = (m(1, 2) - a01 * a02) / a11;
         let a22 = root(m(2, 2) - a02 * a02 - a12 * a12)?;
-        let factor = [a00, a01, a02, a11, a12, a22].map(|a| a as f32);
-        let usable = factor.iter().all(|a| a.is_finite())
-            && [0, 3, 5].iter().all(|&i| factor[i] > f32::MIN_POSITIVE);
-        usable.then_some(Self(factor)).ok_or(MetricError)
+        let factor = [a00, a01, a02, a11, a12, a22];
+        let finite = factor.iter().all(|a| a.is_finite());
+        finite.then_some(factor).ok_or(MetricError)
     }
 
     /// The factor as a matrix.

@@ -59,6 +59,10 @@ pub struct BlobSettings {
     pub radius: Option<f64>,
     /// Support radius R for every particle; overrides all radii.
     pub support: Option<f64>,
+    /// Column with the metric M of q = dᵀMd, in the file's unit: six components (xx xy xz yy yz zz, or
+    /// VTK's xx yy zz xy yz xz) or nine. It makes ellipsoids and takes the place of all radii; without
+    /// this setting a column of a usual name (`metric`, …) does.
+    pub metric: Option<String>,
     /// R over the radius with volume weights (4: SPH's usual support).
     pub smoothing: f64,
     /// Kernel.
@@ -78,6 +82,7 @@ impl Default for BlobSettings {
         Self {
             radius: None,
             support: None,
+            metric: None,
             smoothing: 4.0,
             kernel: Kernel::Sextic,
             threshold: 0.6,
@@ -148,6 +153,9 @@ pub struct Surface {
     /// See [`BlobSettings::support`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub support: Option<f64>,
+    /// See [`BlobSettings::metric`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub metric: Option<String>,
     /// See [`BlobSettings::smoothing`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing: Option<f64>,
@@ -196,6 +204,7 @@ impl Surface {
         BlobSettings {
             radius: self.radius.or(base.radius),
             support: self.support.or(base.support),
+            metric: self.metric.clone().or(base.metric),
             smoothing: self.smoothing.unwrap_or(base.smoothing),
             kernel: self.kernel.unwrap_or(base.kernel),
             threshold: self.threshold.unwrap_or(base.threshold),

@@ -1,5 +1,5 @@
 use super::{Segment, SupportTree};
-use crate::field::BlobField;
+use crate::field::{BlobField, Search};
 use crate::kernel::Kernel;
 use crate::primitive::Shapes;
 use glam::DVec3;
@@ -16,6 +16,7 @@ fn field(blobs: impl Iterator<Item = ([f32; 3], f32)>) -> BlobField {
         shapes: Shapes::Balls(radii),
         attributes: Vec::new(),
         spacing: 1.0,
+        search: Search::default(),
     }
 }
 

@@ -1,5 +1,5 @@
 use crate::accel::Engine;
-use crate::field::BlobField;
+use crate::field::{BlobField, Search};
 use crate::frame::Blobs;
 use crate::intersect::{Crossing, Scratch};
 use crate::kernel::Kernel;
@@ -19,6 +19,7 @@ fn field(kernel: Kernel, threshold: f32, blobs: &[([f32; 3], f32, f32)]) -> Blob
         rows: (0..blobs.len() as u32).collect(),
         attributes: Vec::new(),
         spacing: 1.0,
+        search: Search::default(),
     };
     Blobs::build(field, Engine::Sweep, Level::new())
 }

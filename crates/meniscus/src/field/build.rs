@@ -1,0 +1,251 @@
+//! From particles and settings to a packed field.
+
+use super::metric::{self, MetricOrder};
+use super::supports::{Rule, Supports, positive, retain};
+use super::weights::volume_weights;
+use super::{BlobField, FieldError, FieldReport};
+use crate::particles::Particles;
+use crate::particles::filter::Filter;
+use crate::particles::spacing::{median_spacing_in, point_tree};
+use crate::scene::surface::{BlobSettings, Weights};
+use glam::DVec3;
+
+/// Positions, supports and weights beyond this are dropped: f32 has to hold their squares. Supports and
+/// the sizes of weights must also be at least its inverse.
+pub const LARGEST_COORDINATE: f64 = 1e18;
+
+/// A field and what a user should know about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldBuild {
+    /// The field.
+    pub field: BlobField,
+    /// What happened to the particles.
+    pub report: FieldReport,
+}
+
+/// Particles removed for one reason.
+pub(super) struct Dropped {
+    pub(super) count: usize,
+    first_row: u32,
+    reason: String,
+}
+
+impl Dropped {
+    pub(super) fn sentence(&self) -> String {
+        let Self {
+            count,
+            first_row,
+            reason,
+        } = self;
+        if *count == 1 {
+            format!("dropped 1 particle ({reason}): row {first_row}")
+        } else {
+            format!("dropped {count} particles ({reason}), the first in row {first_row}")
+        }
+    }
+}
+
+/// The particles that are left while the field is being built: indices into the particles given, and
+/// their weights once they are known.
+pub(super) struct Build<'a> {
+    pub(super) particles: &'a Particles,
+    pub(super) kept: Vec<u32>,
+    pub(super) filtered: usize,
+    pub(super) dropped: Vec<Dropped>,
+    pub(super) weights: Option<Vec<f64>>,
+}
+
+impl BlobField {
+    /// The field of `particles` under `settings`: filter first, then everything else.
+    ///
+    /// Positions are taken relative to an f64 origin near the middle of the particles and packed in
+    /// f32: a cloud keeps 24 bits of its own size wherever it lies, so one at coordinates around 10⁶
+    /// needs a spacing above 10⁻⁷ of its extent, not of its coordinates. The report warns when that is
+    /// not so.
+    ///
+    /// # Errors
+    /// When settings are out of range or contradict each other, a column is missing, or no particle is
+    /// left.
+    pub fn from_particles(
+        particles: &Particles,
+        settings: &BlobSettings,
+    ) -> Result<FieldBuild, FieldError> {
+        positive("threshold", settings.threshold)?;
+        let rule = Rule::choose(particles, settings)?;
+        let scale = match rule {
+            Rule::Support(_) | Rule::Metric(_) => 1.0,
+            Rule::Radius(_) | Rule::Column(_) | Rule::Estimate => {
+                Rule::support_per_radius(settings)?
+            }
+        };
+        let mut build = Build::filtered(particles, settings)?;
+        build.drop_positions()?;
+        build.column_weights(&settings.weights)?;
+        let own = build.own_supports(&rule, scale)?;
+        let positions = build.positions();
+        let points = point_tree(&positions);
+        let spacing = median_spacing_in(&points, &positions);
+        let (mut supports, order) = match own {
+            Some((supports, order)) => (supports, order),
+            None => (
+                common_support(&rule, scale, spacing, positions.len())?,
+                None,
+            ),
+        };
+        if settings.weights == Weights::Volume {
+            let weights = volume_weights(&positions, &supports, settings.kernel, &points);
+            build.weights = Some(weights);
+            let keep = build.drop_weights("its volume is beyond all others'")?;
+            supports.retain(&keep);
+        }
+        build.pack(settings, supports, rule.source(order), spacing)
+    }
+}
+
+impl<'a> Build<'a> {
+    fn filtered(particles: &'a Particles, settings: &BlobSettings) -> Result<Self, FieldError> {
+        let all = 0..particles.len() as u32;
+        let kept: Vec<u32> = match &settings.filter {
+            None => all.collect(),
+            Some(filter) => {
+                let keep = Filter::parse(filter)?.keep(particles)?;
+                all.filter(|&i| keep[i as usize]).collect()
+            }
+        };
+        Ok(Self {
+            particles,
+            filtered: particles.len() - kept.len(),
+            kept,
+            dropped: Vec::new(),
+            weights: None,
+        })
+    }
+
+    pub(super) fn positions(&self) -> Vec<DVec3> {
+        let positions = &self.particles.positions;
+        self.kept.iter().map(|&i| positions[i as usize]).collect()
+    }
+
+    /// Removes the particles for which `keep` is false; an error when none is left.
+    fn drop_unless(&mut self, keep: &[bool], reason: &str) -> Result<(), FieldError> {
+        if let Some(first) = keep.iter().position(|&keep| !keep) {
+            self.dropped.push(Dropped {
+                count: keep.iter().filter(|&&keep| !keep).count(),
+                first_row: self.particles.rows[self.kept[first] as usize],
+                reason: reason.to_owned(),
+            });
+            retain(&mut self.kept, keep);
+            if let Some(weights) = &mut self.weights {
+                retain(weights, keep);
+            }
+        }
+        if !self.kept.is_empty() {
+            return Ok(());
+        }
+        let mut reasons = Vec::new();
+        if self.filtered > 0 {
+            reasons.push(format!("the filter removed {}", self.filtered));
+        }
+        reasons.extend(self.dropped.iter().map(Dropped::sentence));
+        Err(FieldError::Empty {
+            total: self.particles.len(),
+            reasons,
+        })
+    }
+
+    fn drop_positions(&mut self) -> Result<(), FieldError> {
+        let keep: Vec<bool> = self
+            .positions()
+            .iter()
+            .map(|p| p.abs().max_element() <= LARGEST_COORDINATE && p.is_finite())
+            .collect();
+        self.drop_unless(&keep, "its position is not finite")
+    }
+
+    fn column_weights(&mut self, weights: &Weights) -> Result<(), FieldError> {
+        let Weights::Column(name) = weights else {
+            return Ok(());
+        };
+        let what = "weights";
+        let missing = |missing| FieldError::Missing { what, missing };
+        let column = self.particles.attribute(name).map_err(missing)?;
+        if column.components() != 1 {
+            return Err(FieldError::Components {
+                what,
+                name: name.clone(),
+                found: column.components(),
+                expected: "one (write name.x or |name|)",
+            });
+        }
+        let values = self.kept.iter().map(|&i| column.get(i as usize, 0));
+        self.weights = Some(values.collect());
+        self.drop_weights(&format!(
+            "its weight in column {name} is zero or not finite"
+        ))?;
+        Ok(())
+    }
+
+    /// Removes what has no usable weight and says who stayed.
+    fn drop_weights(&mut self, reason: &str) -> Result<Vec<bool>, FieldError> {
+        let weights = self.weights.iter().flatten();
+        let keep: Vec<bool> = weights.map(|weight| in_range(weight.abs())).collect();
+        self.drop_unless(&keep, reason)?;
+        Ok(keep)
+    }
+
+    /// Supports from a column, without the particles that it is no use for; `None` when all have the
+    /// same.
+    fn own_supports(
+        &mut self,
+        rule: &Rule<'_>,
+        scale: f64,
+    ) -> Result<Option<(Supports, Option<MetricOrder>)>, FieldError> {
+        match rule {
+            Rule::Column(column) => {
+                let radii = self.kept.iter().map(|&i| column.get(i as usize, 0) * scale);
+                let mut supports: Vec<f64> = radii.collect();
+                let keep: Vec<bool> = supports.iter().map(|&r| in_range(r)).collect();
+                self.drop_unless(&keep, "its radius is not a positive number")?;
+                retain(&mut supports, &keep);
+                Ok(Some((Supports::Balls(supports), None)))
+            }
+            Rule::Metric(column) => {
+                let (factors, order) = metric::factors(column, &self.kept)?;
+                let keep: Vec<bool> = factors.iter().map(Option::is_some).collect();
+                self.drop_unless(&keep, "its metric is not positive definite")?;
+                let factors = factors.into_iter().flatten().collect();
+                Ok(Some((Supports::Ellipsoids(factors), Some(order))))
+            }
+            Rule::Support(_) | Rule::Radius(_) | Rule::Estimate => Ok(None),
+        }
+    }
+}
+
+/// The one support of all `count` particles.
+fn common_support(
+    rule: &Rule<'_>,
+    scale: f64,
+    spacing: Option<f64>,
+    count: usize,
+) -> Result<Supports, FieldError> {
+    let (name, radius) = match rule {
+        Rule::Support(support) => ("support", *support),
+        Rule::Radius(radius) => ("radius", *radius),
+        Rule::Estimate | Rule::Column(_) | Rule::Metric(_) => {
+            ("radius", 0.5 * spacing.ok_or(FieldError::NoRadius)?)
+        }
+    };
+    if !in_range(radius * scale) {
+        return Err(FieldError::Setting {
+            name,
+            value: radius,
+            expected: "a support between 1e-18 and 1e18",
+        });
+    }
+    Ok(Supports::Balls(vec![radius * scale; count]))
+}
+
+/// Whether f32 holds `size` and its square's inverse well.
+fn in_range(size: f64) -> bool {
+    (1.0 / LARGEST_COORDINATE..=LARGEST_COORDINATE).contains(&size)
+}

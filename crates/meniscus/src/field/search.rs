@@ -1,0 +1,66 @@
+//! The blobs at a point, found through a tree that is built when it is first needed.
+
+use super::BlobField;
+use crate::math::aabb::DAabb;
+use crate::particles::neighbours::BoxTree;
+use glam::DVec3;
+use std::sync::OnceLock;
+
+/// A tree over the supports of one field, built when it is first needed. It is no part of the field's
+/// value: any two compare equal, and clones build their own. Whoever changes a field's centres or
+/// shapes puts `Search::default()` here.
+#[derive(Debug, Default)]
+pub struct Search(OnceLock<BoxTree>);
+
+impl Clone for Search {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl PartialEq for Search {
+    fn eq(&self, _other: &Self) -> bool {
+        true
+    }
+}
+
+impl Search {
+    /// Memory held, in bytes: 0 until the tree is built.
+    pub fn bytes(&self) -> usize {
+        self.0.get().map_or(0, BoxTree::bytes)
+    }
+}
+
+impl BlobField {
+    /// The tree over the packed supports.
+    fn support_tree(&self) -> &BoxTree {
+        self.search.0.get_or_init(|| {
+            let boxes: Vec<DAabb> = (0..self.len())
+                .map(|i| {
+                    let center = self.center(i).as_dvec3();
+                    let half = glam::Vec3::from_array(self.shapes.half_extents(i)).as_dvec3();
+                    DAabb {
+                        min: center - half,
+                        max: center + half,
+                    }
+                })
+                .collect();
+            BoxTree::build(boxes.len(), |i| boxes[i])
+        })
+    }
+
+    /// Calls `visit(blob, y, q)` with every blob whose support contains the local point (q < 1), in a
+    /// fixed order; y = A(x − p) and q = |y|², in float64 on the packed numbers.
+    pub fn for_each_blob_at(&self, local: DVec3, mut visit: impl FnMut(usize, DVec3, f64)) {
+        self.support_tree().for_each_containing(local, |blob| {
+            let blob = blob as usize;
+            let y = self
+                .shapes
+                .transform(blob, local - self.center(blob).as_dvec3());
+            let q = y.length_squared();
+            if q < 1.0 {
+                visit(blob, y, q);
+            }
+        });
+    }
+}

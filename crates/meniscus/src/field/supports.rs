@@ -1,0 +1,181 @@
+//! How far each particle reaches: the support rule.
+
+use super::metric;
+use super::{FieldError, SupportSource};
+use crate::math::aabb::DAabb;
+use crate::particles::{Particles, Role};
+use crate::primitive::{Ellipsoid, Shapes};
+use crate::scene::surface::{BlobSettings, Weights};
+use glam::DVec3;
+
+/// Supports in float64, one per particle.
+#[derive(Debug, Clone)]
+pub(super) enum Supports {
+    /// Radii R.
+    Balls(Vec<f64>),
+    /// Upper-triangular factors A.
+    Ellipsoids(Vec<[f64; 6]>),
+}
+
+impl Supports {
+    /// det A of particle `i`, in 1/length³.
+    pub(super) fn determinant(&self, i: usize) -> f64 {
+        match self {
+            Self::Balls(radii) => radii[i].powi(-3),
+            Self::Ellipsoids(factors) => factors[i][0] * factors[i][3] * factors[i][5],
+        }
+    }
+
+    /// The box around the support of particle `i` at `position`.
+    pub(super) fn bounds(&self, i: usize, position: DVec3) -> DAabb {
+        let half = match self {
+            Self::Balls(radii) => DVec3::splat(radii[i]),
+            Self::Ellipsoids(factors) => {
+                let half = Ellipsoid(factors[i].map(|a| a as f32)).half_extents();
+                DVec3::from_array(half.map(f64::from))
+            }
+        };
+        DAabb {
+            min: position - half,
+            max: position + half,
+        }
+    }
+
+    /// Smallest and largest radius; of ellipsoids that of the ball of the same volume.
+    pub(super) fn range(&self) -> (f64, f64) {
+        let radius = |i: usize| match self {
+            Self::Balls(radii) => radii[i],
+            Self::Ellipsoids(_) => self.determinant(i).powf(-1.0 / 3.0),
+        };
+        (0..self.len()).fold((f64::INFINITY, 0.0), |(min, max), i| {
+            (min.min(radius(i)), max.max(radius(i)))
+        })
+    }
+
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Balls(radii) => radii.len(),
+            Self::Ellipsoids(factors) => factors.len(),
+        }
+    }
+
+    /// Packed in f32.
+    pub(super) fn packed(&self) -> Shapes {
+        match self {
+            Self::Balls(radii) => Shapes::Balls(radii.iter().map(|&r| r as f32).collect()),
+            Self::Ellipsoids(factors) => Shapes::Ellipsoids(
+                factors
+                    .iter()
+                    .map(|factor| Ellipsoid(factor.map(|a| a as f32)))
+                    .collect(),
+            ),
+        }
+    }
+
+    /// Keeps the particles for which `keep` is true.
+    pub(super) fn retain(&mut self, keep: &[bool]) {
+        match self {
+            Self::Balls(radii) => retain(radii, keep),
+            Self::Ellipsoids(factors) => retain(factors, keep),
+        }
+    }
+}
+
+/// Keeps the entries for which `keep` is true.
+pub(super) fn retain<T>(values: &mut Vec<T>, keep: &[bool]) {
+    let mut kept = keep.iter();
+    values.retain(|_| *kept.next().unwrap_or(&false));
+}
+
+/// Where supports come from, before any is computed.
+#[derive(Debug)]
+pub(super) enum Rule<'a> {
+    /// One R for all.
+    Support(f64),
+    /// One radius for all.
+    Radius(f64),
+    /// A column of radii.
+    Column(crate::particles::Attribute<'a>),
+    /// A column of metrics.
+    Metric(crate::particles::Attribute<'a>),
+    /// Half the spacing for all.
+    Estimate,
+}
+
+impl<'a> Rule<'a> {
+    /// The rule that settings and columns call for.
+    pub(super) fn choose(
+        particles: &'a Particles,
+        settings: &BlobSettings,
+    ) -> Result<Self, FieldError> {
+        let given = [
+            ("--radius", settings.radius.is_some()),
+            ("--support", settings.support.is_some()),
+            ("--metric", settings.metric.is_some()),
+        ];
+        let mut given = given
+            .iter()
+            .filter(|(_, given)| *given)
+            .map(|(name, _)| *name);
+        if let (Some(first), Some(second)) = (given.next(), given.next()) {
+            return Err(FieldError::Conflict { first, second });
+        }
+        if let Some(support) = settings.support {
+            return positive("support", support).map(Self::Support);
+        }
+        if let Some(radius) = settings.radius {
+            return positive("radius", radius).map(Self::Radius);
+        }
+        if let Some(name) = &settings.metric {
+            let what = "metric";
+            let missing = |missing| FieldError::Missing { what, missing };
+            return particles.attribute(name).map(Self::Metric).map_err(missing);
+        }
+        Ok(particles
+            .role(Role::Metric)
+            .map(Self::Metric)
+            .or_else(|| particles.role(Role::Radius).map(Self::Column))
+            .unwrap_or(Self::Estimate))
+    }
+
+    /// R over the radius.
+    pub(super) fn support_per_radius(settings: &BlobSettings) -> Result<f64, FieldError> {
+        if settings.weights == Weights::Volume {
+            return positive("smoothing", settings.smoothing);
+        }
+        let q = settings.kernel.q_at(settings.threshold);
+        q.map(|q| 1.0 / q.sqrt())
+            .ok_or_else(|| FieldError::ThresholdNeedsSupport {
+                threshold: settings.threshold,
+                weights: settings.weights.name().to_owned(),
+            })
+    }
+
+    /// What the report says.
+    pub(super) fn source(&self, order: Option<metric::MetricOrder>) -> SupportSource {
+        match (self, order) {
+            (Self::Support(_), _) => SupportSource::Support,
+            (Self::Radius(_), _) => SupportSource::Radius,
+            (Self::Estimate, _) => SupportSource::Estimate,
+            (Self::Metric(column), Some(order)) => SupportSource::Metric {
+                column: column.name().to_owned(),
+                order,
+            },
+            (Self::Column(column) | Self::Metric(column), _) => {
+                SupportSource::Column(column.name().to_owned())
+            }
+        }
+    }
+}
+
+/// `value` when it is finite and above 0.
+pub(super) fn positive(name: &'static str, value: f64) -> Result<f64, FieldError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(FieldError::Setting {
+        name,
+        value,
+        expected: "a positive number",
+    })
+}
