@@ -1,7 +1,7 @@
 //! From float64 points to a packed field.
 
 use glam::{DMat3, DVec3};
-use meniscus::field::BlobField;
+use meniscus::field::{BlobField, Search};
 use meniscus::kernel::Kernel;
 use meniscus::primitive::{Ellipsoid, Shapes};
 
@@ -72,6 +72,7 @@ impl Recipe {
             rows: (0..n as u32).collect(),
             attributes: Vec::new(),
             spacing: spacing(&self.positions) as f32,
+            search: Search::default(),
         }
     }
 

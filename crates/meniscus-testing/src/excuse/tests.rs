@@ -1,7 +1,7 @@
 use super::{Fault, Reason, Verdict, judge_closest, judge_crossings, judge_occluded};
 use crate::oracle::Oracle;
 use glam::DVec3;
-use meniscus::field::BlobField;
+use meniscus::field::{BlobField, Search};
 use meniscus::intersect::BlobHit;
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::{Ray, Side};
@@ -20,6 +20,7 @@ fn ball() -> BlobField {
         rows: vec![0],
         attributes: Vec::new(),
         spacing: 1.0,
+        search: Search::default(),
     }
 }
 

@@ -2,7 +2,7 @@ use super::{Oracle, marching};
 use crate::corpus;
 use crate::random::Stream;
 use glam::{DMat3, DVec3};
-use meniscus::field::BlobField;
+use meniscus::field::{BlobField, Search};
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::{Ray, Side};
 use meniscus::primitive::{Ellipsoid, Shapes};
@@ -18,6 +18,7 @@ fn one_ball(kernel: Kernel, radius: f32, weight: f32, threshold: f32) -> BlobFie
         rows: vec![0],
         attributes: Vec::new(),
         spacing: 1.0,
+        search: Search::default(),
     }
 }
 
