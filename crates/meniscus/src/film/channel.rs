@@ -30,6 +30,9 @@ pub struct PixelSample<'a> {
     pub radiance: [f32; 3],
     /// 1 where a surface was hit, else 0.
     pub coverage: f32,
+    /// Share of the background that shows: 1 where nothing was hit, and in between where a surface
+    /// fades into the background.
+    pub backdrop: f32,
     /// Diffuse reflectance of what was hit; 0 where nothing was.
     pub albedo: [f32; 3],
     /// What was hit.

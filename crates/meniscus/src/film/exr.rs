@@ -93,7 +93,7 @@ impl Film {
             (Background::Color(color), PlaneData::F32(mut values)) if plane < 3 => {
                 let color = color.to_f32()[plane];
                 for (pixel, value) in values.iter_mut().enumerate() {
-                    *value += color * (1.0 - self.rgba(pixel)[3]);
+                    *value += color * self.backdrop(pixel);
                 }
                 PlaneData::F32(values)
             }
@@ -123,6 +123,7 @@ mod tests {
                 let seen = PixelSample {
                     radiance: if hit { [0.25, 1e6, 0.0] } else { [0.0; 3] },
                     coverage: f32::from(hit),
+                    backdrop: f32::from(!hit),
                     albedo: if hit { [0.5, 0.25, 0.125] } else { [0.0; 3] },
                     surface: hit.then_some(SurfaceSample {
                         depth: 1.0 + x as f32,

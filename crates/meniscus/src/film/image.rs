@@ -54,16 +54,15 @@ impl Film {
                 Background::Transparent => {
                     let straight = straight([r, g, b], alpha);
                     encoded.extend(tone.display(straight).map(srgb_from_linear));
-                    encoded.push(alpha);
+                    encoded.push(1.0 - self.backdrop(pixel));
                 }
                 Background::Color(color) => {
                     // Mixed as display light, behind the tone curve, which would change the colour.
-                    let front = tone.display(straight([r, g, b], alpha));
+                    let share = self.backdrop(pixel);
+                    let front = tone.display(straight([r, g, b], 1.0 - share));
                     let back = color.to_f32();
-                    encoded.extend(
-                        (0..3)
-                            .map(|c| srgb_from_linear(front[c] * alpha + back[c] * (1.0 - alpha))),
-                    );
+                    let mixed = |c: usize| front[c] * (1.0 - share) + back[c] * share;
+                    encoded.extend((0..3).map(|c| srgb_from_linear(mixed(c))));
                 }
             }
         }
@@ -180,6 +179,7 @@ mod tests {
                 let seen = PixelSample {
                     radiance: [light, 0.5 * light, 0.0],
                     coverage,
+                    backdrop: 1.0 - coverage,
                     albedo: [0.0; 3],
                     surface: None,
                     attributes: &[],

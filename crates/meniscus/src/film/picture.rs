@@ -44,6 +44,8 @@ pub struct Film {
     /// Samples per pixel so far.
     counts: Vec<u32>,
     nearest: Vec<NearestKey>,
+    /// Sums of the backdrop's share, which developing needs and no file holds.
+    backdrop: Vec<i64>,
     /// Planes of `Source::Mean`, then of floats and of indices from the nearest sample; each list
     /// in file order.
     sums: Vec<Vec<i64>>,
@@ -84,6 +86,7 @@ impl Film {
             background,
             counts: filled(pixels, 0).map_err(out_of_memory)?,
             nearest: filled(pixels, NO_SAMPLE).map_err(out_of_memory)?,
+            backdrop: filled(pixels, 0).map_err(out_of_memory)?,
             sums: Vec::new(),
             floats: Vec::new(),
             indices: Vec::new(),
@@ -141,6 +144,7 @@ impl Film {
             return;
         };
         self.counts[pixel] += 1;
+        self.backdrop[pixel] = self.backdrop[pixel].saturating_add(fixed(seen.backdrop));
         let key = NearestKey {
             distance_squared: (offset[0] * offset[0] + offset[1] * offset[1]) as f32,
             sample,
@@ -236,6 +240,7 @@ impl Film {
 
     fn merge_pixel(&mut self, to: usize, other: &Self, from: usize) {
         self.counts[to] += other.counts[from];
+        self.backdrop[to] = self.backdrop[to].saturating_add(other.backdrop[from]);
         for (sum, added) in self.sums.iter_mut().zip(&other.sums) {
             sum[to] = sum[to].saturating_add(added[from]);
         }
@@ -297,6 +302,14 @@ impl Film {
         value
     }
 
+    /// Share of the background that shows at pixel `pixel` of the region; 1 without samples.
+    pub(super) fn backdrop(&self, pixel: usize) -> f32 {
+        match self.counts[pixel] {
+            0 => 1.0,
+            count => mean(self.backdrop[pixel], count),
+        }
+    }
+
     fn means(&self, sum: usize) -> Vec<f32> {
         self.sums[sum]
             .iter()
@@ -343,6 +356,7 @@ mod tests {
             &PixelSample {
                 radiance,
                 coverage,
+                backdrop: 1.0 - coverage,
                 albedo: radiance,
                 surface,
                 attributes: &[radiance[1], radiance[2]],
@@ -436,6 +450,7 @@ mod tests {
             let seen = PixelSample {
                 radiance: [light; 3],
                 coverage: 1.0,
+                backdrop: 0.0,
                 albedo: [0.5; 3],
                 surface: None,
                 attributes: &[],

@@ -171,12 +171,19 @@ impl Frame {
 }
 
 impl crate::frame::Plane {
-    /// First crossing of an object-space ray: its parameter and whether it enters.
+    /// First crossing of an object-space ray: its parameter and whether it enters. A ray with a
+    /// stated side can only cross to the other one, so it does not hit the plane that it leaves.
     pub fn closest(&self, ray: &Ray) -> Option<(f64, bool)> {
         let rate = ray.direction.dot(self.normal);
         let t = (self.point - ray.origin).dot(self.normal) / rate;
-        (ray.is_traceable() && t.is_finite() && t >= ray.t_min && t <= ray.t_max)
-            .then_some((t, rate < 0.0))
+        let entering = rate < 0.0;
+        let can_cross = match ray.side {
+            Side::Unknown => true,
+            Side::Outside => entering,
+            Side::Inside => !entering,
+        };
+        (can_cross && ray.is_traceable() && t.is_finite() && t >= ray.t_min && t <= ray.t_max)
+            .then_some((t, entering))
     }
 }
 

@@ -1,1 +1,37 @@
-//! Rendering: a backend that turns (pixel rectangle, sample range) of a frame into film.
+//! From a frame and a camera to a film.
+//!
+//! A [`Backend`] renders a pixel rectangle and a sample range; what it returns merges with the films
+//! of other rectangles and ranges to the same bits as one whole run, on any number of threads.
+
+mod cpu;
+mod error;
+mod progress;
+mod settings;
+
+pub use cpu::CpuBackend;
+pub use error::RenderError;
+pub use progress::Progress;
+pub use settings::{RenderSettings, RenderStats};
+
+use crate::film::Film;
+use crate::frame::Frame;
+use crate::scene::camera::Camera;
+
+/// A machine that renders.
+pub trait Backend {
+    /// What `--device` calls it.
+    fn name(&self) -> &'static str;
+
+    /// Renders `settings.region` and `settings.samples` of the picture that `camera` takes of
+    /// `frame`.
+    ///
+    /// # Errors
+    /// Impossible settings, too little memory, or [`RenderError::Cancelled`]; there is no film then.
+    fn render(
+        &self,
+        frame: &Frame,
+        camera: &Camera,
+        settings: &RenderSettings,
+        progress: &Progress<'_>,
+    ) -> Result<(Film, RenderStats), RenderError>;
+}

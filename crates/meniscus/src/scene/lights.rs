@@ -87,7 +87,7 @@ impl Light {
     pub fn sun(towards: DVec3) -> Self {
         Self {
             direction: Some(towards),
-            intensity: 2.2,
+            intensity: 1.5,
             color: Some(Color([1.0, 0.95, 0.87])),
             ..Self::default()
         }
@@ -105,7 +105,7 @@ impl Light {
         Self {
             kind: LightKind::Sky,
             color: Some(Color([0.82, 0.91, 1.0])),
-            intensity: 0.75,
+            intensity: 0.5,
             ..Self::default()
         }
     }

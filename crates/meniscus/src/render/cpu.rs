@@ -1,0 +1,221 @@
+//! The CPU backend: tiles on a rayon pool.
+
+use super::{Backend, Progress, RenderError, RenderSettings, RenderStats};
+use crate::film::{Film, NO_INDEX, PixelSample, Region, SurfaceSample};
+use crate::frame::{Frame, Geometry};
+use crate::math::ray::{Ray, Side};
+use crate::math::sampling::{PixelFilter, PixelSampler};
+use crate::scene::IntegratorKind;
+use crate::scene::camera::Camera;
+use crate::shade::{Seen, ShadeScratch, Shader};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Side of a tile in pixels: large enough for rays to find their neighbours' data in the cache, small
+/// enough to keep many threads busy to the end.
+const TILE_SIDE: u32 = 16;
+
+/// Renders on this machine's processor.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CpuBackend;
+
+impl Backend for CpuBackend {
+    fn name(&self) -> &'static str {
+        "cpu"
+    }
+
+    fn render(
+        &self,
+        frame: &Frame,
+        camera: &Camera,
+        settings: &RenderSettings,
+        progress: &Progress<'_>,
+    ) -> Result<(Film, RenderStats), RenderError> {
+        let job = Job::new(frame, camera, settings)?;
+        match settings.threads {
+            None => job.run(progress),
+            Some(threads) => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.max(1))
+                .build()
+                .map_err(|error| RenderError::Threads {
+                    threads,
+                    message: error.to_string(),
+                })?
+                .install(|| job.run(progress)),
+        }
+    }
+}
+
+/// One rendering, checked.
+struct Job<'a> {
+    camera: &'a Camera,
+    settings: &'a RenderSettings,
+    region: Region,
+    samples: Range<u32>,
+    shader: Shader<'a>,
+    filter: PixelFilter,
+    /// Side of every surface at the eye, where it is the same and known.
+    eye_side: Side,
+}
+
+impl<'a> Job<'a> {
+    fn new(
+        frame: &'a Frame,
+        camera: &'a Camera,
+        settings: &'a RenderSettings,
+    ) -> Result<Self, RenderError> {
+        if settings.integrator != IntegratorKind::Shaded {
+            return Err(RenderError::Integrator {
+                name: settings.integrator.name(),
+            });
+        }
+        let samples = settings.samples.clone().unwrap_or(0..settings.spp);
+        if samples.is_empty() || samples.end > settings.spp {
+            return Err(RenderError::Samples {
+                start: samples.start,
+                end: samples.end.saturating_sub(1),
+                spp: settings.spp,
+            });
+        }
+        let [width, height] = camera.size;
+        Ok(Self {
+            camera,
+            settings,
+            region: settings.region.unwrap_or(Region::full(width, height)),
+            samples,
+            shader: Shader::new(
+                frame,
+                settings.background,
+                !settings.channels.attributes().is_empty(),
+            ),
+            filter: PixelFilter::default(),
+            eye_side: eye_side(frame, camera),
+        })
+    }
+
+    fn film(&self, region: Region) -> Result<Film, RenderError> {
+        Ok(Film::new(
+            self.camera.size,
+            region,
+            self.settings.channels.clone(),
+            self.settings.background,
+        )?)
+    }
+
+    fn run(&self, progress: &Progress<'_>) -> Result<(Film, RenderStats), RenderError> {
+        let start = Instant::now();
+        let total = self.region.pixels() * self.samples.len() as u64;
+        // Merging is exact in any order, so tiles merge as they come.
+        let whole = Mutex::new((self.film(self.region)?, RenderStats::default()));
+        self.region
+            .tiles(TILE_SIDE)
+            .into_par_iter()
+            .try_for_each_init(ShadeScratch::default, |scratch, tile| {
+                let film = self.tile(tile, scratch, progress)?;
+                let stats = RenderStats {
+                    rays: std::mem::take(&mut scratch.rays),
+                    counters: std::mem::take(&mut scratch.trace.counters),
+                    ..RenderStats::default()
+                };
+                let mut whole = whole.lock().unwrap_or_else(PoisonError::into_inner);
+                whole.0.merge(&film)?;
+                whole.1.add(&stats);
+                drop(whole);
+                progress.advance(tile.pixels() * self.samples.len() as u64, total);
+                Ok::<(), RenderError>(())
+            })?;
+        let (film, stats) = whole.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let stats = RenderStats {
+            threads: rayon::current_num_threads(),
+            seconds: start.elapsed().as_secs_f64(),
+            ..stats
+        };
+        Ok((film, stats))
+    }
+
+    fn tile(
+        &self,
+        tile: Region,
+        scratch: &mut ShadeScratch,
+        progress: &Progress<'_>,
+    ) -> Result<Film, RenderError> {
+        let mut film = self.film(tile)?;
+        for y in tile.y..tile.y + tile.height {
+            if progress.is_cancelled() {
+                return Err(RenderError::Cancelled);
+            }
+            for x in tile.x..tile.x + tile.width {
+                for sample in self.samples.clone() {
+                    self.add_sample(&mut film, [x, y], sample, scratch);
+                }
+            }
+        }
+        Ok(film)
+    }
+
+    fn add_sample(
+        &self,
+        film: &mut Film,
+        [x, y]: [u32; 2],
+        sample: u32,
+        scratch: &mut ShadeScratch,
+    ) {
+        let mut sampler = PixelSampler::new([x, y], sample, self.settings.seed);
+        let position = self
+            .filter
+            .film_position([x, y], self.settings.spp, &mut sampler);
+        let ray = Ray {
+            side: self.eye_side,
+            ..self.camera.ray(position)
+        };
+        let seen = self.shader.sample(&ray, scratch);
+        let offset = [
+            position[0] - f64::from(x) - 0.5,
+            position[1] - f64::from(y) - 0.5,
+        ];
+        let sample_seen = PixelSample {
+            radiance: seen.radiance,
+            coverage: seen.coverage,
+            backdrop: seen.backdrop,
+            albedo: seen.albedo,
+            surface: self.surface_sample(&seen),
+            attributes: scratch.attributes(),
+        };
+        film.add(x, y, sample, offset, &sample_seen);
+    }
+
+    fn surface_sample(&self, seen: &Seen) -> Option<SurfaceSample> {
+        let hit = seen.hit?;
+        Some(SurfaceSample {
+            depth: self.camera.depth(hit.position) as f32,
+            position: hit.position.as_vec3().to_array(),
+            normal: hit.normal.as_vec3().to_array(),
+            id: seen.row.unwrap_or(NO_INDEX),
+            surface: hit.surface,
+        })
+    }
+}
+
+/// Outside where the eye lies beyond the supports of all blobs and above all planes, so that no
+/// primary ray has to ask; unknown otherwise.
+fn eye_side(frame: &Frame, camera: &Camera) -> Side {
+    let bounds = frame.bounds([0.0, 0.0]);
+    let eye = camera.eye;
+    let in_bounds = bounds.min.cmple(eye).all() && eye.cmple(bounds.max).all();
+    let above_planes = frame.instances.iter().all(|instance| {
+        match &frame.geometries[instance.geometry as usize] {
+            Geometry::Blobs(_) => true,
+            Geometry::Plane(plane) => {
+                let eye = instance.object_from_world.transform_point3(eye);
+                (eye - plane.point).dot(plane.normal) > 0.0
+            }
+        }
+    });
+    if !in_bounds && above_planes {
+        Side::Outside
+    } else {
+        Side::Unknown
+    }
+}

@@ -1,0 +1,39 @@
+//! Why a picture could not be rendered.
+
+use crate::film::FilmError;
+use thiserror::Error;
+
+/// Why a picture could not be rendered.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// The film cannot be made.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    /// No sample lies in the range.
+    #[error("samples {start} to {end} are not within the {spp} samples per pixel, 0 to {last}", last = spp.saturating_sub(1))]
+    Samples {
+        /// First sample asked for.
+        start: u32,
+        /// Last sample asked for.
+        end: u32,
+        /// Samples per pixel.
+        spp: u32,
+    },
+    /// This way of gathering light does not exist here yet.
+    #[error("the integrator '{name}' cannot be rendered by this version; use shaded")]
+    Integrator {
+        /// Its name.
+        name: &'static str,
+    },
+    /// The threads could not be started.
+    #[error("cannot start {threads} threads: {message}")]
+    Threads {
+        /// How many.
+        threads: usize,
+        /// Why.
+        message: String,
+    },
+    /// Somebody asked to stop.
+    #[error("the rendering was cancelled")]
+    Cancelled,
+}

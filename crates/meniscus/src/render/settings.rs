@@ -1,0 +1,65 @@
+//! What to render, and what it took.
+
+use crate::film::{ChannelSet, Region};
+use crate::intersect::Counters;
+use crate::scene::{Background, IntegratorKind};
+use crate::shade::RayCounts;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What to render; the picture's size is the camera's.
+#[derive(Debug, Clone)]
+pub struct RenderSettings {
+    /// The rectangle to render; `None`: the whole picture.
+    pub region: Option<Region>,
+    /// Samples per pixel of the whole picture; 1 samples pixel centres.
+    pub spp: u32,
+    /// The samples to render, within `0..spp`; `None`: all.
+    pub samples: Option<Range<u32>>,
+    /// Seed of the sample pattern.
+    pub seed: u32,
+    /// Channels of the film.
+    pub channels: Arc<ChannelSet>,
+    /// What stands behind the surfaces.
+    pub background: Background,
+    /// How light is gathered.
+    pub integrator: IntegratorKind,
+    /// Threads; `None`: as many as the global pool has.
+    pub threads: Option<usize>,
+}
+
+impl Default for RenderSettings {
+    /// Everything, 16 samples per pixel, colour and depth, before the sky.
+    fn default() -> Self {
+        Self {
+            region: None,
+            spp: 16,
+            samples: None,
+            seed: 0,
+            channels: Arc::new(ChannelSet::default()),
+            background: Background::Sky,
+            integrator: IntegratorKind::Shaded,
+            threads: None,
+        }
+    }
+}
+
+/// What a rendering took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RenderStats {
+    /// Rays by purpose.
+    pub rays: RayCounts,
+    /// Work of the engines.
+    pub counters: Counters,
+    /// Threads that rendered.
+    pub threads: usize,
+    /// Wall-clock time.
+    pub seconds: f64,
+}
+
+impl RenderStats {
+    pub(super) fn add(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.counters += other.counters;
+    }
+}

@@ -1,0 +1,119 @@
+//! Attributes of particles on the surface, blended by field weight.
+
+use crate::field::Contribution;
+use crate::frame::{Blobs, Frame, Geometry};
+use crate::intersect::Hit;
+
+/// Names and components of all attributes that any surface of the frame carries, each name once, in
+/// order of first appearance; those of a name's first surface count.
+pub fn frame_attributes(frame: &Frame) -> Vec<(String, usize)> {
+    let mut all: Vec<(String, usize)> = Vec::new();
+    for blobs in frame.geometries.iter().filter_map(blobs_of) {
+        for attribute in &blobs.field.attributes {
+            if !all.iter().any(|(name, _)| *name == attribute.name) {
+                all.push((attribute.name.clone(), attribute.components));
+            }
+        }
+    }
+    all
+}
+
+fn blobs_of(geometry: &Geometry) -> Option<&Blobs> {
+    match geometry {
+        Geometry::Blobs(blobs) => Some(blobs),
+        Geometry::Plane(_) => None,
+    }
+}
+
+/// Where the attributes of each geometry go in the list of [`frame_attributes`].
+#[derive(Debug, Clone)]
+pub struct AttributeLayout {
+    /// Numbers over all attributes.
+    total: usize,
+    /// For each geometry, for each of its attributes: first number and how many fit.
+    places: Vec<Vec<(usize, usize)>>,
+}
+
+impl AttributeLayout {
+    /// The layout of a frame.
+    pub fn new(frame: &Frame) -> Self {
+        let all = frame_attributes(frame);
+        let place = |name: &str, components: usize| {
+            let mut offset = 0;
+            for (known, known_components) in &all {
+                if known == name {
+                    return (offset, components.min(*known_components));
+                }
+                offset += known_components;
+            }
+            (offset, 0)
+        };
+        Self {
+            total: all.iter().map(|(_, components)| components).sum(),
+            places: frame
+                .geometries
+                .iter()
+                .map(|geometry| {
+                    blobs_of(geometry).map_or_else(Vec::new, |blobs| {
+                        let attributes = blobs.field.attributes.iter();
+                        attributes.map(|a| place(&a.name, a.components)).collect()
+                    })
+                })
+                .collect(),
+        }
+    }
+}
+
+/// Attributes at one hit; buffers that are reused from hit to hit.
+#[derive(Debug, Default)]
+pub(super) struct SurfaceAttributes {
+    parts: Vec<Contribution>,
+    blend: Vec<f64>,
+    own: Vec<f32>,
+    /// All attributes of the frame, see [`frame_attributes`].
+    pub(super) all: Vec<f32>,
+}
+
+impl SurfaceAttributes {
+    /// Finds the blobs at a hit; [`SurfaceAttributes::value`] blends what they carry.
+    pub(super) fn gather(&mut self, frame: &Frame, hit: &Hit) {
+        self.parts.clear();
+        if let Some((blobs, local)) = local_point(frame, hit) {
+            blobs.field.contributions(local, &mut self.parts);
+        }
+    }
+
+    /// Attribute `attribute` of the surface that was gathered, all its components.
+    pub(super) fn value(&mut self, frame: &Frame, hit: &Hit, attribute: usize) -> &[f32] {
+        self.own.clear();
+        if let Some((blobs, _)) = local_point(frame, hit)
+            && let Some(column) = blobs.field.attributes.get(attribute)
+        {
+            self.blend.clear();
+            self.blend.resize(column.components, 0.0);
+            blobs.field.blend(attribute, &self.parts, &mut self.blend);
+            self.own
+                .extend(self.blend.iter().map(|&value| value as f32));
+        }
+        &self.own
+    }
+
+    /// Fills [`SurfaceAttributes::all`].
+    pub(super) fn fill_all(&mut self, frame: &Frame, hit: &Hit, layout: &AttributeLayout) {
+        self.all.clear();
+        self.all.resize(layout.total, 0.0);
+        let geometry = frame.instances[hit.surface as usize].geometry as usize;
+        for (attribute, &(offset, components)) in layout.places[geometry].iter().enumerate() {
+            self.value(frame, hit, attribute);
+            self.all[offset..offset + components].copy_from_slice(&self.own[..components]);
+        }
+    }
+}
+
+/// The blobs that were hit and the hit in their local coordinates.
+fn local_point<'a>(frame: &'a Frame, hit: &Hit) -> Option<(&'a Blobs, glam::DVec3)> {
+    let instance = &frame.instances[hit.surface as usize];
+    let blobs = blobs_of(&frame.geometries[instance.geometry as usize])?;
+    let object = instance.object_from_world.transform_point3(hit.position);
+    Some((blobs, object - blobs.field.origin))
+}

@@ -1,0 +1,88 @@
+//! The coat on a diffuse base: a dielectric microfacet highlight and its Fresnel reflectance.
+
+use std::f32::consts::PI;
+
+/// Reflectance of a dielectric of index 1.5 seen head on.
+const HEAD_ON: f32 = 0.04;
+
+/// A coat of a certain strength and roughness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Gloss {
+    /// Reflectance head on.
+    head_on: f32,
+    /// Reflectance at grazing angles: rough coats reflect less there.
+    grazing: f32,
+    /// GGX width, roughness².
+    width: f32,
+}
+
+impl Gloss {
+    /// `specular` in [0, 1] scales the reflectance of index 1.5; `None` where that is nothing.
+    pub(super) fn new(specular: f32, roughness: f32) -> Option<Self> {
+        let specular = specular.clamp(0.0, 1.0);
+        let roughness = roughness.clamp(0.0, 1.0);
+        (specular > 0.0).then(|| Self {
+            head_on: HEAD_ON * specular,
+            grazing: (1.0 - roughness).max(HEAD_ON) * specular,
+            width: (roughness * roughness).max(1e-3),
+        })
+    }
+
+    /// Fresnel reflectance at the cosine of the angle between view and facet (Schlick 1994).
+    pub(super) fn reflectance(&self, cosine: f32) -> f32 {
+        let x = (1.0 - cosine).clamp(0.0, 1.0);
+        let x2 = x * x;
+        self.head_on + (self.grazing - self.head_on) * x2 * x2 * x
+    }
+
+    /// BRDF times π·cos: what a light of unit "white diffuse radiance" adds (GGX distribution and
+    /// height-correlated shadowing: Walter et al. 2007; Heitz 2014, eq. 99). All cosines positive:
+    /// normal·light, normal·view, normal·half, view·half.
+    pub(super) fn highlight(&self, nl: f32, nv: f32, nh: f32, vh: f32) -> f32 {
+        let a2 = self.width * self.width;
+        let d = nh * nh * (a2 - 1.0) + 1.0;
+        let distribution = a2 / (PI * d * d);
+        let masking =
+            nl * (nv * nv * (1.0 - a2) + a2).sqrt() + nv * (nl * nl * (1.0 - a2) + a2).sqrt();
+        // D·F·G/(4 nl nv) with G/(4 nl nv) = 0.5/masking.
+        PI * nl * distribution * self.reflectance(vh) * 0.5 / masking.max(1e-6)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_coat_without_strength() {
+        assert_eq!(Gloss::new(0.0, 0.3), None);
+        assert_eq!(Gloss::new(f32::NAN, 0.3), None);
+    }
+
+    #[test]
+    fn the_coat_never_reflects_more_than_it_gets() {
+        // Hemispherical reflectance for a view along the normal: ∫ BRDF cos dω ≤ 1, and about the
+        // head-on reflectance for a smooth coat.
+        for roughness in [0.2_f32, 0.35, 0.7, 1.0] {
+            let gloss = Gloss::new(1.0, roughness).unwrap();
+            let steps = 20_000;
+            let sum: f32 = (0..steps)
+                .map(|i| {
+                    let theta = (i as f32 + 0.5) / steps as f32 * PI * 0.5;
+                    let half = theta * 0.5;
+                    let brdf_cos_pi = gloss.highlight(theta.cos(), 1.0, half.cos(), half.cos());
+                    2.0 * theta.sin() * brdf_cos_pi * (PI * 0.5 / steps as f32)
+                })
+                .sum();
+            assert!(sum < 0.06, "roughness {roughness}: {sum}");
+            assert!(sum > 0.02, "roughness {roughness}: {sum}");
+        }
+    }
+
+    #[test]
+    fn fresnel_runs_from_head_on_to_grazing() {
+        let gloss = Gloss::new(1.0, 0.0).unwrap();
+        assert!((gloss.reflectance(1.0) - 0.04).abs() < 1e-6);
+        assert!((gloss.reflectance(0.0) - 1.0).abs() < 1e-6);
+    }
+}
