@@ -102,21 +102,6 @@ fn is_close<P: Primitive>(list: &BlobList, cell: Aabb) -> bool {
     cell.size().max_element() < CLOSE_SIDE * smallest_support::<P>(list)
 }
 
-#[inline(always)]
-fn filter_cell<S: Simd, K: KernelShape, P: Primitive>(
-    simd: S,
-    list: &BlobList,
-    bounds: Aabb,
-    close: bool,
-    child: &mut BlobList,
-) -> FieldBounds {
-    if close {
-        filter::<S, K, P, true>(simd, list, bounds, child)
-    } else {
-        filter::<S, K, P, false>(simd, list, bounds, child)
-    }
-}
-
 fn halves(cell: Aabb) -> [Aabb; 2] {
     let size = cell.size();
     let axis = if size.x >= size.y && size.x >= size.z {
@@ -171,10 +156,7 @@ pub(super) fn build_parallel<S: Simd, K: KernelShape, P: Primitive>(
     let close = is_close::<P>(list, cell);
     let build_half = |half: Aabb| {
         let mut child = BlobList::default();
-        let bounds = simd.vectorize(
-            #[inline(always)]
-            || filter_cell::<S, K, P>(simd, list, half.padded(context.pad), close, &mut child),
-        );
+        let bounds = filter::<S, K, P>(simd, list, half.padded(context.pad), close, &mut child);
         if child.count == 0 || context.settled(bounds) {
             return Subtree {
                 root: None,
@@ -256,11 +238,7 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
     ) -> Option<BinaryNode> {
         if is_leaf::<P>(list, cell, stalled, depth, self.context) {
             let (context, part, buffers) = (self.context, &mut self.part, &mut self.leaf_buffers);
-            return simd
-                .vectorize(
-                    #[inline(always)]
-                    || finish_leaf::<S, K, P>(simd, context, cell, list, buffers, &mut part.blocks),
-                )
+            return finish_leaf::<S, K, P>(simd, context, cell, list, buffers, &mut part.blocks)
                 .map(|(bounds, block)| BinaryNode::Leaf {
                     bounds,
                     part: 0,
@@ -272,10 +250,7 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
         let mut children = [None, None];
         for (half, slot) in halves(cell).into_iter().zip(&mut children) {
             let context = self.context;
-            let bounds = simd.vectorize(
-                #[inline(always)]
-                || filter_cell::<S, K, P>(simd, list, half.padded(context.pad), close, &mut child),
-            );
+            let bounds = filter::<S, K, P>(simd, list, half.padded(context.pad), close, &mut child);
             if child.count == 0 || context.settled(bounds) {
                 continue;
             }

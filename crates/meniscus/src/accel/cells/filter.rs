@@ -130,12 +130,13 @@ impl<S: Simd> Sums<S> {
 
     /// Adds the sixteen blobs at `at`; returns their qmin over the box.
     #[inline(always)]
-    fn add<K: KernelShape, P: Primitive, const CLOSE: bool>(
+    fn add<K: KernelShape, P: Primitive>(
         &mut self,
         simd: S,
         place: &BoxLanes<S>,
         columns: &[Vec<f32>],
         at: usize,
+        close: bool,
     ) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
         let mut shape = [zero; 6];
@@ -170,7 +171,7 @@ impl<S: Simd> Sums<S> {
         let (most, least) = (K::of_g(g_most), K::of_g(g_least));
         self.upper = Number::mul_add(positive, most, Number::mul_add(negative, least, self.upper));
         self.lower = Number::mul_add(positive, least, Number::mul_add(negative, most, self.lower));
-        if CLOSE {
+        if close {
             let g = (dot(y, y) * -1.0 + 1.0).max(zero);
             self.value = Number::mul_add(weight, K::of_g(g), self.value);
             let scale = weight * K::slope(g) * -2.0;
@@ -197,9 +198,9 @@ impl<S: Simd> Sums<S> {
     }
 
     #[inline(always)]
-    fn bounds<const CLOSE: bool>(self, half: Vec3) -> FieldBounds {
+    fn bounds(self, half: Vec3, close: bool) -> FieldBounds {
         let (lower, upper) = (self.lower.reduce_sum(), self.upper.reduce_sum());
-        if !CLOSE {
+        if !close {
             return FieldBounds { lower, upper };
         }
         let value = self.value.reduce_sum();
@@ -221,57 +222,69 @@ fn center_and_half(bounds: Aabb) -> (Vec3, Vec3) {
 }
 
 /// Bounds of the field of `list` over `bounds`, the tight kind.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     list: &BlobList,
     bounds: Aabb,
 ) -> FieldBounds {
-    let (center, half) = center_and_half(bounds);
-    let place = BoxLanes::new(simd, center, half);
-    let mut sums = Sums::new(simd);
-    for at in (0..list.count).step_by(LANES) {
-        sums.add::<K, P, true>(simd, &place, &list.columns, at);
-    }
-    sums.bounds::<true>(half)
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (center, half) = center_and_half(bounds);
+            let place = BoxLanes::new(simd, center, half);
+            let mut sums = Sums::new(simd);
+            for at in (0..list.count).step_by(LANES) {
+                sums.add::<K, P>(simd, &place, &list.columns, at, true);
+            }
+            sums.bounds(half, true)
+        },
+    )
 }
 
 /// Writes the blobs of `from` that reach `bounds` to `to` and returns the field's bounds there. With
-/// `CLOSE` the bounds include those of second order about the centre, worth their cost once the box
+/// `close` the bounds include those of second order about the centre, worth their cost once the box
 /// is no larger than the supports.
-#[inline(always)]
-pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive, const CLOSE: bool>(
+#[inline(never)]
+pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     from: &BlobList,
     bounds: Aabb,
+    close: bool,
     to: &mut BlobList,
 ) -> FieldBounds {
     let column_count = SHAPE_AT + P::COLUMNS + 1;
     to.reset(column_count, from.count);
-    let (center, half) = center_and_half(bounds);
-    let place = BoxLanes::new(simd, center, half);
-    let one = f32x16::splat(simd, 1.0);
-    let mut sums = Sums::new(simd);
-    let mut count = 0;
-    for at in (0..from.count).step_by(LANES) {
-        let qmin = sums.add::<K, P, CLOSE>(simd, &place, &from.columns, at);
-        let reached = qmin.simd_lt(one);
-        let bits = reached.to_bitmask();
-        if bits == 0 {
-            continue;
-        }
-        let end = count + LANES;
-        for k in 0..column_count {
-            lanes_at(simd, &from.columns, k, at)
-                .compress(reached)
-                .store_slice(&mut to.columns[k][count..end]);
-        }
-        u32x16::from_slice(simd, &from.indices[at..at + LANES])
-            .compress(reached)
-            .store_slice(&mut to.indices[count..end]);
-        count += bits.count_ones() as usize;
-    }
-    to.count = count;
+    let result = simd.vectorize(
+        #[inline(always)]
+        || {
+            let (center, half) = center_and_half(bounds);
+            let place = BoxLanes::new(simd, center, half);
+            let one = f32x16::splat(simd, 1.0);
+            let mut sums = Sums::new(simd);
+            let mut count = 0;
+            for at in (0..from.count).step_by(LANES) {
+                let qmin = sums.add::<K, P>(simd, &place, &from.columns, at, close);
+                let reached = qmin.simd_lt(one);
+                let bits = reached.to_bitmask();
+                if bits == 0 {
+                    continue;
+                }
+                let end = count + LANES;
+                for k in 0..column_count {
+                    lanes_at(simd, &from.columns, k, at)
+                        .compress(reached)
+                        .store_slice(&mut to.columns[k][count..end]);
+                }
+                u32x16::from_slice(simd, &from.indices[at..at + LANES])
+                    .compress(reached)
+                    .store_slice(&mut to.indices[count..end]);
+                count += bits.count_ones() as usize;
+            }
+            to.count = count;
+            sums.bounds(half, close)
+        },
+    );
     to.pad();
-    sums.bounds::<CLOSE>(half)
+    result
 }

@@ -14,7 +14,6 @@ const SHAVES: [f32; 3] = [0.5, 0.25, 0.125];
 
 /// Returns the leaf's trimmed box and its header block, or `None` when the cell is proven to hold no
 /// surface. `buffers` are scratch.
-#[inline(always)]
 pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     context: &Context,
@@ -40,7 +39,7 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
         }
     }
     let kept = &mut buffers[0];
-    let bounds = filter::<S, K, P, true>(simd, list, trimmed.padded(context.pad), kept);
+    let bounds = filter::<S, K, P>(simd, list, trimmed.padded(context.pad), true, kept);
     if kept.count == 0 || context.settled(bounds) {
         return None;
     }
@@ -50,7 +49,6 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
 }
 
 /// Whether all eight octants are proven free of surface.
-#[inline(always)]
 fn octants_are_settled<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     context: &Context,

@@ -18,9 +18,9 @@ use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
 use crate::math::simd::Level;
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
-use crate::with_kernel;
+use crate::{at_level, with_kernel};
 use build::{Context, Part, build_parallel};
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
 use filter::BlobList;
 use layout::{Block, LEAF, Node};
 use rayon::prelude::*;
@@ -53,10 +53,10 @@ impl Cells {
         }
         match &field.shapes {
             Shapes::Balls(_) => {
-                with_kernel!(field.kernel, K => dispatch!(level, simd => build::<_, K, Ball>(simd, field, rule)))
+                with_kernel!(field.kernel, K => at_level!(level, simd => build::<_, K, Ball>(simd, field, rule)))
             }
             Shapes::Ellipsoids(_) => {
-                with_kernel!(field.kernel, K => dispatch!(level, simd => build::<_, K, Ellipsoid>(simd, field, rule)))
+                with_kernel!(field.kernel, K => at_level!(level, simd => build::<_, K, Ellipsoid>(simd, field, rule)))
             }
         }
     }

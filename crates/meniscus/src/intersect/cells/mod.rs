@@ -13,8 +13,8 @@ use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
-use crate::with_kernel;
-use fearless_simd::{Simd, dispatch};
+use crate::{at_level, with_kernel};
+use fearless_simd::Simd;
 use gather::{Active, gather};
 use glam::DVec3;
 use solve::{Entry, Segment, Solver, Verdict};
@@ -77,11 +77,11 @@ macro_rules! specialised {
         match &$blobs.field.shapes {
             Shapes::Balls(_) => with_kernel!($blobs.field.kernel, $kernel => {
                 type $primitive = Ball;
-                dispatch!($blobs.level, $simd => $body)
+                at_level!($blobs.level, $simd => $body)
             }),
             Shapes::Ellipsoids(_) => with_kernel!($blobs.field.kernel, $kernel => {
                 type $primitive = Ellipsoid;
-                dispatch!($blobs.level, $simd => $body)
+                at_level!($blobs.level, $simd => $body)
             }),
         }
     };
@@ -131,7 +131,7 @@ fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
         Side::Inside => true,
         Side::Outside => false,
         // The box holds all surface, so outside it the field lies below the threshold.
-        Side::Unknown => starts_at_t_min && side_temp(&blobs.field, start),
+        Side::Unknown => starts_at_t_min && blobs.field.side(start) == Side::Inside,
     };
     Some(LocalRay {
         origin: origin + direction * enter,
@@ -252,16 +252,4 @@ fn gradient_at(blobs: &Blobs, cells: &Cells, block: u32, at: DVec3) -> (DVec3, u
             point,
         )
     ))
-}
-
-fn side_temp(field: &crate::field::BlobField, x: DVec3) -> bool {
-    let f: f64 = (0..field.len())
-        .map(|i| {
-            f64::from(field.weights[i])
-                * field
-                    .kernel
-                    .value(field.shapes.q(i, x - field.center(i).as_dvec3()))
-        })
-        .sum();
-    f > f64::from(field.threshold)
 }

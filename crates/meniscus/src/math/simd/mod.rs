@@ -12,8 +12,6 @@ pub enum SimdLevel {
     Auto,
     /// SSE2 on x86-64, plain scalar code elsewhere.
     Baseline,
-    /// SSE4.2.
-    Sse42,
     /// AVX2 with FMA.
     Avx2,
     /// AVX-512 (Ice Lake set).
@@ -24,10 +22,9 @@ pub enum SimdLevel {
 
 impl SimdLevel {
     /// Every level with its command-line name.
-    pub const ALL: [(&'static str, Self); 6] = [
+    pub const ALL: [(&'static str, Self); 5] = [
         ("auto", Self::Auto),
         ("baseline", Self::Baseline),
-        ("sse4.2", Self::Sse42),
         ("avx2", Self::Avx2),
         ("avx512", Self::Avx512),
         ("neon", Self::Neon),
@@ -40,8 +37,6 @@ impl SimdLevel {
             Self::Auto => Some(best),
             Self::Baseline => Some(Level::baseline()),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Sse42 => best.as_sse4_2().map(Level::Sse4_2),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Avx2 => best.as_avx2().map(Level::Avx2),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Avx512 => best.as_avx512().map(Level::Avx512),
@@ -53,13 +48,34 @@ impl SimdLevel {
     }
 }
 
+/// Runs `$body` with `$simd` bound to the token of `$level`: the one run-time dispatch. Every engine
+/// is compiled once per level, so SSE4.2 runs as SSE2: it would add a quarter to the code for nothing.
+#[macro_export]
+macro_rules! at_level {
+    ($level:expr, $simd:ident => $body:expr) => {{
+        let level: $crate::math::simd::Level = $level;
+        #[cfg(target_arch = "x86_64")]
+        {
+            if let Some($simd) = level.as_avx512() {
+                $body
+            } else if let Some($simd) = level.as_avx2() {
+                $body
+            } else if let Some($simd) = level.as_sse2() {
+                $body
+            } else {
+                unreachable!("x86-64 has SSE2")
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        fearless_simd::dispatch!(level, $simd => $body)
+    }};
+}
+
 /// The name of a resolved level, as `--stats` prints it.
 pub fn level_name(level: Level) -> &'static str {
     match level {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Sse2(_) => "sse2",
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Sse4_2(_) => "sse4.2",
+        Level::Sse2(_) | Level::Sse4_2(_) => "sse2",
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         Level::Avx2(_) => "avx2",
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
