@@ -129,4 +129,6 @@ impl Kernel {
 }
 
 #[cfg(test)]
+mod derivative_tests;
+#[cfg(test)]
 mod tests;

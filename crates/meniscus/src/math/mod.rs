@@ -1,6 +1,7 @@
 //! Numbers, vectors, boxes, rays and SIMD lanes: no knowledge of particles or scenes.
 
 pub mod aabb;
+pub mod dual;
 pub mod number;
 pub mod ray;
 pub mod sampling;
