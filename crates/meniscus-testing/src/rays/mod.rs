@@ -42,7 +42,7 @@ pub fn primary(oracle: &Oracle, side: usize, towards_eye: DVec3) -> Vec<Ray> {
         .map(|pixel| {
             let x = (pixel % side) as f64 * step + 0.5 * step - 0.5;
             let y = (pixel / side) as f64 * step + 0.5 * step - 0.5;
-            Ray::new(eye, (forward + right * x - up * y).normalize())
+            Ray::new(eye, (forward + (right * x - up * y) * 0.8).normalize())
         })
         .collect()
 }
