@@ -1,0 +1,390 @@
+//! Whether a scene makes sense, beyond what its types say.
+
+use super::camera::{Camera, CameraError, CameraSettings};
+use super::file::suggest::{help_for, one_of};
+use super::file::{SceneError, SceneErrorKind};
+use super::film::{Background, FilmSettings, MAX_PIXELS, MAX_SIDE, MAX_SPP};
+use super::{Color, Instance, IntegratorKind, Light, LightKind, Material, MaterialKind, Scene};
+use super::{Surface, Weights};
+use glam::DVec3;
+
+type Checked = Result<(), SceneError>;
+
+fn invalid(key: impl Into<String>, message: impl Into<String>) -> SceneError {
+    SceneError::new(SceneErrorKind::Invalid, message).at(key)
+}
+
+fn unsupported(key: impl Into<String>, what: &str, can: &str) -> SceneError {
+    SceneError::new(
+        SceneErrorKind::Unsupported,
+        format!("{what} is not supported yet"),
+    )
+    .with_help(format!("this version can do {can}"))
+    .at(key)
+}
+
+fn require(holds: bool, key: impl Into<String>, message: impl Into<String>) -> Checked {
+    if holds {
+        Ok(())
+    } else {
+        Err(invalid(key, message))
+    }
+}
+
+impl Scene {
+    /// Checks that everything in the scene can be rendered: ranges, names that are used, and what
+    /// this version supports. Files are not opened.
+    ///
+    /// # Errors
+    /// The first problem found, in the order of the scene's keys.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        check_camera(&self.camera)?;
+        check_film(&self.film)?;
+        self.check_integrator()?;
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            check_surface(&format!("surface.{i}"), surface)?;
+            self.check_material(
+                &format!("surface.{i}.material"),
+                surface.material.as_deref(),
+            )?;
+            if let Some(name) = &surface.name {
+                let twin = self.surfaces[..i]
+                    .iter()
+                    .position(|s| s.name.as_ref() == Some(name));
+                if let Some(twin) = twin {
+                    let message = format!("surface {twin} is called `{name}` already");
+                    return Err(invalid(format!("surface.{i}.name"), message));
+                }
+            }
+        }
+        for (i, instance) in self.instances.iter().enumerate() {
+            self.check_instance(&format!("instance.{i}"), instance)?;
+        }
+        if !self.meshes.is_empty() {
+            return Err(unsupported("mesh", "[[mesh]]", "[[surface]] and [[plane]]"));
+        }
+        for (i, plane) in self.planes.iter().enumerate() {
+            check_point(&format!("plane.{i}.point"), plane.point)?;
+            if let Some(normal) = plane.normal {
+                check_direction(&format!("plane.{i}.normal"), normal)?;
+            }
+            self.check_material(&format!("plane.{i}.material"), plane.material.as_deref())?;
+        }
+        if let Some(ground) = &self.ground {
+            let finite = ground.height.is_none_or(f64::is_finite);
+            require(finite, "ground.height", "`height` must be a finite number")?;
+            self.check_material("ground.material", ground.material.as_deref())?;
+        }
+        for (i, light) in self.lights.iter().enumerate() {
+            check_light(&format!("light.{i}"), light)?;
+        }
+        for (name, material) in &self.materials {
+            check_material_values(&format!("material.{name}"), material)?;
+        }
+        let shows_something =
+            !self.surfaces.is_empty() || !self.planes.is_empty() || self.ground.is_some();
+        if !shows_something {
+            return Err(invalid("", "the scene shows nothing")
+                .with_help("add a [[surface]] with a `file` of particles"));
+        }
+        Ok(())
+    }
+
+    fn check_integrator(&self) -> Checked {
+        let kind = self.integrator.kind;
+        if !kind.is_supported() {
+            let known = IntegratorKind::ALL
+                .into_iter()
+                .filter(|kind| kind.is_supported());
+            return Err(unsupported(
+                "integrator.type",
+                &format!("integrator `{}`", kind.name()),
+                &one_of(known.map(IntegratorKind::name)),
+            ));
+        }
+        require(
+            self.integrator.depth >= 1,
+            "integrator.depth",
+            "`depth` must be at least 1",
+        )
+    }
+
+    fn check_material(&self, key: &str, name: Option<&str>) -> Checked {
+        let Some(name) = name else { return Ok(()) };
+        if self.materials.contains_key(name) {
+            return Ok(());
+        }
+        let known: Vec<&str> = self.materials.keys().map(String::as_str).collect();
+        let help = if known.is_empty() {
+            format!("define it: [material.{name}]")
+        } else {
+            help_for(name, &known, "the scene defines")
+        };
+        Err(invalid(key, format!("there is no material `{name}`")).with_help(help))
+    }
+
+    fn check_instance(&self, key: &str, instance: &Instance) -> Checked {
+        let name = &instance.surface;
+        let known: Vec<&str> = self
+            .surfaces
+            .iter()
+            .filter_map(|s| s.name.as_deref())
+            .collect();
+        if !known.contains(&name.as_str()) {
+            let help = if known.is_empty() {
+                "give the [[surface]] a `name`".to_owned()
+            } else {
+                help_for(name, &known, "the surfaces are")
+            };
+            let message = format!("there is no surface `{name}`");
+            return Err(invalid(format!("{key}.surface"), message).with_help(help));
+        }
+        let map = instance.matrix.0;
+        let key_matrix = format!("{key}.matrix");
+        require(
+            map.is_finite() && map.inverse().is_finite(),
+            key_matrix.clone(),
+            "the matrix must have finite numbers and an inverse",
+        )?;
+        // |det| is the volume of the unit cube's image: compare it with what its edges could span.
+        let m = map.matrix3;
+        let edges = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
+        require(
+            m.determinant().abs() > 1e-9 * edges,
+            key_matrix,
+            "the matrix is singular: it flattens the surface",
+        )?;
+        self.check_material(&format!("{key}.material"), instance.material.as_deref())
+    }
+}
+
+fn check_camera(camera: &CameraSettings) -> Checked {
+    require(
+        camera.fov > 0.0 && camera.fov < 180.0,
+        "camera.fov",
+        format!(
+            "`fov` is the vertical angle in degrees, between 0 and 180, not {}",
+            camera.fov
+        ),
+    )?;
+    check_direction("camera.up", camera.up.0)?;
+    for (key, point) in [("camera.eye", camera.eye), ("camera.target", camera.target)] {
+        if let Some(point) = point {
+            check_point(key, point)?;
+        }
+    }
+    let (Some(eye), Some(target)) = (camera.eye, camera.target) else {
+        return Ok(());
+    };
+    match Camera::new(eye, target, camera.up.0, camera.fov.to_radians(), [1, 1]) {
+        Ok(_) => Ok(()),
+        Err(CameraError::Up) => Err(invalid(
+            "camera.up",
+            "`up` points along the view, from eye to target",
+        )
+        .with_help("choose another up, for example one of x, y, z")),
+        Err(_) => Err(invalid(
+            "camera.eye",
+            "`eye` and `target` are the same point",
+        )),
+    }
+}
+
+fn check_film(film: &FilmSettings) -> Checked {
+    for (name, side) in [("width", film.width), ("height", film.height)] {
+        require(
+            (1..=MAX_SIDE).contains(&side),
+            format!("film.{name}"),
+            format!("`{name}` must be 1 to {MAX_SIDE} pixels, not {side}"),
+        )?;
+    }
+    let pixels = u64::from(film.width) * u64::from(film.height);
+    require(
+        pixels <= MAX_PIXELS,
+        "film.width",
+        format!(
+            "{} x {} is more than {MAX_PIXELS} pixels",
+            film.width, film.height
+        ),
+    )?;
+    require(
+        (1..=MAX_SPP).contains(&film.spp),
+        "film.spp",
+        format!(
+            "`spp` must be 1 to {MAX_SPP} samples per pixel, not {}",
+            film.spp
+        ),
+    )?;
+    require(
+        film.exposure.abs() <= 100.0,
+        "film.exposure",
+        format!("`exposure` is in stops, −100 to 100, not {}", film.exposure),
+    )?;
+    if let Some(Background::Color(color)) = film.background {
+        check_radiance("film.background", color)?;
+    }
+    Ok(())
+}
+
+fn check_surface(key: &str, surface: &Surface) -> Checked {
+    if !surface.kind.is_supported() {
+        let what = format!("surface type `{}`", surface.kind.name());
+        return Err(unsupported(format!("{key}.type"), &what, "blobs"));
+    }
+    require(
+        !surface.file.as_os_str().is_empty(),
+        format!("{key}.file"),
+        "the surface has no particles: the key `file` is missing",
+    )?;
+    let positive = [
+        ("radius", surface.radius),
+        ("support", surface.support),
+        ("smoothing", surface.smoothing),
+        ("threshold", surface.threshold),
+    ];
+    for (name, value) in positive {
+        if let Some(value) = value {
+            require(
+                value > 0.0 && value.is_finite(),
+                format!("{key}.{name}"),
+                format!("`{name}` must be a positive number, not {value}"),
+            )?;
+        }
+    }
+    if surface.radius.is_some() && surface.support.is_some() {
+        return Err(invalid(
+            format!("{key}.radius"),
+            "`radius` has no effect beside `support`, which overrides all radii",
+        )
+        .with_help("leave out one of them"));
+    }
+    let texts = [
+        ("name", surface.name.as_deref()),
+        ("filter", surface.filter.as_deref()),
+        ("weights", surface.weights.as_ref().map(Weights::name)),
+        ("color_by", surface.color_by.as_deref()),
+    ];
+    for (name, text) in texts {
+        require(
+            text.is_none_or(|text| !text.is_empty()),
+            format!("{key}.{name}"),
+            format!("`{name}` is empty"),
+        )?;
+    }
+    if let Some([low, high]) = surface.color_range {
+        require(
+            low.is_finite() && high.is_finite() && low < high,
+            format!("{key}.color_range"),
+            format!("`color_range` must be two numbers, the smaller first, not {low} and {high}"),
+        )?;
+    }
+    Ok(())
+}
+
+fn check_light(key: &str, light: &Light) -> Checked {
+    let kind = light.kind;
+    if !kind.is_supported() {
+        let what = format!("light type `{}`", kind.name());
+        return Err(unsupported(format!("{key}.type"), &what, "sun and sky"));
+    }
+    let keys = [
+        (
+            "direction",
+            light.direction.is_some(),
+            kind == LightKind::Sun,
+        ),
+        ("position", light.position.is_some(), false),
+        ("radius", light.radius.is_some(), false),
+        ("file", light.file.is_some(), false),
+    ];
+    for (name, given, taken) in keys {
+        require(
+            !given || taken,
+            format!("{key}.{name}"),
+            format!("a light of type `{}` takes no `{name}`", kind.name()),
+        )?;
+    }
+    if kind == LightKind::Sun {
+        let Some(direction) = light.direction else {
+            return Err(
+                invalid(format!("{key}.direction"), "the sun has no `direction`")
+                    .with_help("three numbers that point from the scene towards the sun"),
+            );
+        };
+        check_direction(&format!("{key}.direction"), direction)?;
+    }
+    require(
+        light.intensity >= 0.0 && light.intensity.is_finite(),
+        format!("{key}.intensity"),
+        format!("`intensity` must be 0 or more, not {}", light.intensity),
+    )?;
+    light.color.map_or(Ok(()), |color| {
+        check_radiance(&format!("{key}.color"), color)
+    })
+}
+
+fn check_material_values(key: &str, material: &Material) -> Checked {
+    let kind = material.kind;
+    if !kind.is_supported() {
+        let what = format!("material type `{}`", kind.name());
+        return Err(unsupported(
+            format!("{key}.type"),
+            &what,
+            "glossy and diffuse",
+        ));
+    }
+    let in_range = |value: f64| (0.0..=1.0).contains(&value);
+    require(
+        material.color.0.into_iter().all(in_range),
+        format!("{key}.color"),
+        "`color` must have components from 0 to 1",
+    )?;
+    for (name, value) in [
+        ("specular", material.specular),
+        ("roughness", material.roughness),
+    ] {
+        let Some(value) = value else { continue };
+        require(
+            kind == MaterialKind::Glossy,
+            format!("{key}.{name}"),
+            format!("a material of type `{}` takes no `{name}`", kind.name()),
+        )?;
+        require(
+            in_range(value),
+            format!("{key}.{name}"),
+            format!("`{name}` must be from 0 to 1, not {value}"),
+        )?;
+    }
+    Ok(())
+}
+
+fn check_point(key: &str, point: DVec3) -> Checked {
+    let name = last_step(key);
+    require(
+        point.is_finite(),
+        key,
+        format!("`{name}` must be three finite numbers"),
+    )
+}
+
+fn check_direction(key: &str, direction: DVec3) -> Checked {
+    let name = last_step(key);
+    require(
+        direction.try_normalize().is_some(),
+        key,
+        format!("`{name}` must be a direction: three finite numbers, not all 0"),
+    )
+}
+
+fn check_radiance(key: &str, color: Color) -> Checked {
+    let name = last_step(key);
+    require(
+        color.0.into_iter().all(|c| c >= 0.0 && c.is_finite()),
+        key,
+        format!("`{name}` must have components of 0 or more"),
+    )
+}
+
+fn last_step(key: &str) -> &str {
+    key.rsplit('.').next().unwrap_or(key)
+}
