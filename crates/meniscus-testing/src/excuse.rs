@@ -284,6 +284,14 @@ impl<'a> Case<'a> {
             // Seen as starting on the side that the first crossing leads to.
             add(self.changes[1..].to_vec());
         }
+        if self.returning == 1
+            && let Some(again) = self.changes.get(1)
+            && (again.t - start <= self.tolerance_at_start
+                || self.oracle.stays_in_band(self.ray, start, again.t).0)
+        {
+            // Seen as not yet back on the stated side when it is left again.
+            add(self.changes[3.min(self.changes.len())..].to_vec());
+        }
         let at_start = Crossing {
             t: start,
             entering: self.above,
