@@ -200,7 +200,7 @@ fn check_instances(scene: &Scene) -> Result<(), FrameError> {
 
 /// What planes and the ground are made of where the scene does not say: pale and without highlight.
 fn ground_material() -> scene::Material {
-    scene::Material::diffuse(scene::Color([0.58, 0.57, 0.55]))
+    scene::Material::diffuse(scene::Color([0.45, 0.445, 0.435]))
 }
 
 fn plain_material(

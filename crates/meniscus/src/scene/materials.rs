@@ -63,7 +63,7 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             kind: MaterialKind::Glossy,
-            color: Color([0.62, 0.64, 0.66]),
+            color: Color([0.52, 0.56, 0.60]),
             specular: None,
             roughness: None,
         }

@@ -23,7 +23,7 @@ impl Gloss {
         let roughness = roughness.clamp(0.0, 1.0);
         (specular > 0.0).then(|| Self {
             head_on: HEAD_ON * specular,
-            grazing: (1.0 - roughness).max(HEAD_ON) * specular,
+            grazing: (1.0 - roughness).powi(3).max(HEAD_ON) * specular,
             width: (roughness * roughness).max(1e-3),
         })
     }
