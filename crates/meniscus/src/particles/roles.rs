@@ -1,6 +1,6 @@
 //! Which columns mean what: radius, velocity, … under the names that files usually give them.
 //!
-//! To teach a new name: one entry in [`Role::usual`].
+//! To teach a new name: one entry in `Role::usual`.
 
 use super::{Attribute, ColumnData, Particles};
 
