@@ -74,10 +74,4 @@ pub enum FilmError {
         /// Why.
         message: String,
     },
-    /// The ending names no image format.
-    #[error("cannot tell an image format from the name {}: use .png or .exr", path.display())]
-    Format {
-        /// The file.
-        path: PathBuf,
-    },
 }
