@@ -20,6 +20,8 @@ mod ply;
 mod ply_write;
 mod raw_xyz;
 mod table;
+#[cfg(test)]
+mod tests_support;
 mod text;
 mod vtk_legacy;
 mod vtk_values;

@@ -8,6 +8,9 @@ mod attributes;
 mod cursor;
 mod types;
 
+#[cfg(test)]
+mod tests;
+
 use super::bytes::assemble;
 use super::vtk_values::{Words, positions_of};
 use super::{ParseError, Parsed};

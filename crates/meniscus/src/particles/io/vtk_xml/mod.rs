@@ -10,6 +10,9 @@ mod markup;
 mod payload;
 mod source;
 
+#[cfg(test)]
+mod tests;
+
 use super::bytes::assemble;
 use super::vtk_values::{line_of, positions_of};
 use super::{ParseError, Parsed};

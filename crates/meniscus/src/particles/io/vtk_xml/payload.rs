@@ -162,9 +162,10 @@ impl<'a> Payloads<'a> {
 
     /// An error about an array: at its line, or at its place in the appended data.
     fn error(&self, array: &Array, problem: String) -> ParseError {
+        let appended = &self.storage.appended;
         let place = match array.stored {
-            Stored::Appended(offset) => {
-                Place::Byte(self.storage.appended.start.saturating_add(offset) as u64)
+            Stored::Appended(offset) if offset < appended.len() => {
+                Place::Byte((appended.start + offset) as u64)
             }
             _ => line_of(self.file, array.offset),
         };
