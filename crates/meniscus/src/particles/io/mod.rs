@@ -107,6 +107,21 @@ formats! {
     RawXyz raw_xyz "raw-xyz" "raw little-endian f32 x y z triples without a header (.xyz of splashsurf)";
 }
 
+impl Format {
+    /// Reads frame `frame` (from 0) of content that is not compressed as this format, whatever it
+    /// looks like.
+    ///
+    /// # Errors
+    /// When the content is not of this format, is damaged, or has no such frame.
+    pub fn parse(self, bytes: &[u8], frame: usize) -> Result<Parsed, ParseError> {
+        let parsed = self.read(bytes, frame)?;
+        if frame >= parsed.frames.max(1) {
+            return Err(no_such_frame(frame, parsed.frames));
+        }
+        Ok(parsed)
+    }
+}
+
 impl std::fmt::Display for Format {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.name())
@@ -192,14 +207,10 @@ fn parse_content(
         format: None,
         error: ParseError::new(Place::Whole, foreign::describe(&content)),
     })?;
-    let in_format = |error| Failure {
+    let mut parsed = format.parse(&content, frame).map_err(|error| Failure {
         format: Some(format.name()),
         error,
-    };
-    let mut parsed = format.read(&content, frame).map_err(in_format)?;
-    if frame >= parsed.frames.max(1) {
-        return Err(in_format(no_such_frame(frame, parsed.frames)));
-    }
+    })?;
     warnings.append(&mut parsed.warnings);
     parsed.warnings = warnings;
     Ok((format, parsed))

@@ -19,10 +19,12 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 pub(super) fn read(bytes: &[u8], _frame: usize) -> Result<Parsed, ParseError> {
     let header = Header::parse(bytes)?;
     let vertices = choose(&header.elements)?;
-    let (particles, warnings) = match header.encoding {
+    let (particles, mut body_warnings) = match header.encoding {
         Encoding::Ascii => ascii::read(bytes, &header, &vertices)?,
         Encoding::Binary(endian) => binary::read(bytes, &header, &vertices, endian)?,
     };
+    let mut warnings = header.warnings;
+    warnings.append(&mut body_warnings);
     Ok(Parsed {
         particles,
         frames: 1,

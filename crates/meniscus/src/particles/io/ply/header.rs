@@ -63,13 +63,19 @@ pub(super) struct Header {
     pub(super) body: usize,
     /// Number of the body's first line.
     pub(super) body_line: u64,
+    /// About lines that are no PLY.
+    pub(super) warnings: Vec<String>,
 }
+
+/// More odd lines than this are taken for a file that is no PLY.
+const ODD_LINES: usize = 8;
 
 impl Header {
     /// Parses the header at the start of `bytes`.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, ParseError> {
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
+        let mut warnings = Vec::new();
         let mut at = 0;
         // A header whose first line ends in \r alone has old Macintosh line ends.
         let end = match bytes
@@ -166,14 +172,17 @@ impl Header {
                         elements,
                         body: at,
                         body_line: number + 1,
+                        warnings,
                     });
                 }
+                // Some exporters forget the word "comment".
+                _ if warnings.len() < ODD_LINES => {
+                    let line = quote(line.trim_ascii());
+                    warnings.push(format!("line {number} of the header was ignored: {line}"));
+                }
                 other => {
-                    return Err(unexpected(
-                        number,
-                        "format, comment, obj_info, element, property or end_header",
-                        other,
-                    ));
+                    let known = "format, comment, obj_info, element, property or end_header";
+                    return Err(unexpected(number, known, other));
                 }
             }
         }

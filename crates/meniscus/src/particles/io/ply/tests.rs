@@ -149,11 +149,29 @@ fn headers_that_make_no_sense_are_errors() {
             "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n",
             "no property x",
         ),
-        ("ply\nhello\n", "\"hello\""),
+        ("ply\nhello\nend_header\n", "no \"format\" line"),
     ] {
         let error = read(header.as_bytes(), 0).unwrap_err();
         assert!(error.problem.contains(problem), "{header:?}: {error}");
     }
+}
+
+#[test]
+fn a_few_odd_header_lines_are_ignored_with_a_warning() {
+    let file = |odd: usize| {
+        let odd = "made by hand\n".repeat(odd);
+        format!(
+            "ply\nformat ascii 1.0\n{odd}element vertex 1\nproperty float x\nproperty float y\n\
+             property float z\nend_header\n1 2 3\n"
+        )
+    };
+    let parsed = read(file(1).as_bytes(), 0).unwrap();
+    assert_eq!(
+        parsed.warnings,
+        ["line 3 of the header was ignored: \"made by hand\""]
+    );
+    let error = read(file(9).as_bytes(), 0).unwrap_err();
+    assert!(error.problem.contains("\"made\""), "{error}");
 }
 
 #[test]
