@@ -29,7 +29,7 @@ const RINGS: [Ring; 3] = [
         radius: 0.0,
         outward: 0.0,
         upward: 6.4,
-        turbulence: 0.38,
+        turbulence: 0.24,
         share: 0.4,
     },
     Ring {

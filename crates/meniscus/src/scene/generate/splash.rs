@@ -309,20 +309,22 @@ fn add_drop(
     launch_secs: f64,
 ) {
     let reach = (count as f64).cbrt().ceil() as i32 + 1;
-    let mut lattice: Vec<(i32, DVec3)> = Vec::new();
+    let mut lattice: Vec<(i32, u64, DVec3)> = Vec::new();
     for x in -reach..=reach {
         for y in -reach..=reach {
             for z in -reach..=reach {
-                // Face-centred cubic: the rounder of the simple packings.
+                // Face-centred cubic: the rounder of the simple packings. Points at the same distance
+                // come in scattered order, so that the last, unfinished shell has no thick side.
                 if (x + y + z) % 2 == 0 {
                     let point = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-                    lattice.push((x * x + y * y + z * z, point));
+                    let scattered = (lattice.len() as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                    lattice.push((x * x + y * y + z * z, scattered, point));
                 }
             }
         }
     }
-    lattice.sort_by_key(|&(distance_squared, _)| distance_squared);
-    for (_, point) in lattice.into_iter().take(count) {
+    lattice.sort_by_key(|&(distance_squared, scattered, _)| (distance_squared, scattered));
+    for (_, _, point) in lattice.into_iter().take(count) {
         flights.push(Flight {
             origin: center + point * (spacing * 0.5f64.sqrt()),
             velocity,
@@ -343,8 +345,8 @@ pub(super) fn generate(count: usize, seed: u64, time_secs: Option<f64>) -> Gener
         ..BlobSettings::default()
     };
     let bounds = DAabb {
-        min: DVec3::new(-0.95, -0.05, -0.95),
-        max: DVec3::new(0.95, 0.85, 0.95),
+        min: DVec3::new(-0.80, -0.05, -0.60),
+        max: DVec3::new(0.80, 1.02, 0.60),
     };
     let scene = Staging {
         blobs,

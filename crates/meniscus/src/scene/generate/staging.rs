@@ -2,7 +2,7 @@
 
 use crate::math::aabb::DAabb;
 use crate::scene::preset::Preset;
-use crate::scene::{BlobSettings, CameraSettings, Ground, Light, Scene, Surface, Up};
+use crate::scene::{BlobSettings, CameraSettings, FilmSettings, Ground, Light, Scene, Surface, Up};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -27,6 +27,9 @@ pub(super) struct Staging {
 /// Vertical field of view of every staged camera, in degrees.
 const FOV_DEGREES: f64 = 35.0;
 
+/// Exposure of every staged scene: pale grounds and white molecules keep their shades.
+const EXPOSURE_STOPS: f64 = -0.6;
+
 impl Staging {
     /// The scene; the file of its one surface is left to the caller.
     pub(super) fn scene(self) -> Scene {
@@ -34,8 +37,8 @@ impl Staging {
         let blobs = self.blobs;
         let mut scene = Scene {
             camera: CameraSettings {
-                eye: Some(eye),
-                target: Some(self.bounds.center()),
+                eye: Some(rounded(eye)),
+                target: Some(rounded(self.bounds.center())),
                 up: Up(self.up),
                 fov: FOV_DEGREES,
             },
@@ -48,8 +51,12 @@ impl Staging {
                 weights: Some(blobs.weights),
                 ..Surface::default()
             }],
+            film: FilmSettings {
+                exposure: EXPOSURE_STOPS,
+                ..FilmSettings::default()
+            },
             ground: self.ground.then(Ground::default),
-            lights: vec![Light::sun(self.light.normalize()), Light::sky()],
+            lights: vec![Light::sun(rounded(self.light.normalize())), Light::sky()],
             ..Scene::default()
         };
         if let Some(preset) = Preset::from_name(self.preset) {
@@ -57,6 +64,11 @@ impl Staging {
         }
         scene
     }
+}
+
+/// Without the digits that nobody wants to read in a scene file.
+fn rounded(v: DVec3) -> DVec3 {
+    (v * 1e6).round() / 1e6
 }
 
 /// A point in direction `towards_eye` from the middle of `bounds`, just far enough that a picture of

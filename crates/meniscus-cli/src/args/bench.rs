@@ -1,0 +1,48 @@
+//! `meniscus bench`.
+
+use super::camera::CameraArgs;
+use super::engine::EngineArgs;
+use super::output::OutputArgs;
+use super::surface::SurfaceArgs;
+use super::values::Size;
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Passes: primary (one ray per pixel centre), shadow (towards the light, where the surface faces it),
+hemisphere (one cosine-distributed ray per hit, in pixel order), shuffled (the same in random order).
+A pass counts ray generation, traversal, hit point and normal. Figures are medians over the repeats.
+
+Examples:
+  meniscus bench pool.toml
+  meniscus bench fluid.vtk --json --size 1920x1080 --threads 1";
+
+/// Options of `bench`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct BenchArgs {
+    /// Particle file or scene
+    #[arg(value_name = "INPUT", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+    /// How often each pass is repeated
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub repeats: u32,
+    /// Pixels of the primary pass
+    #[arg(long, value_name = "WxH", default_value_t = Size([640, 480]))]
+    pub size: Size,
+    /// Surface options.
+    #[command(flatten)]
+    pub surface: SurfaceArgs,
+    /// Camera options.
+    #[command(flatten)]
+    pub camera: CameraArgs,
+    /// Engine options.
+    #[command(flatten)]
+    pub engine: EngineArgs,
+    /// Message options.
+    #[command(flatten)]
+    pub messages: OutputArgs,
+}

@@ -1,0 +1,21 @@
+//! How rays are traced, and on what.
+
+use clap::Args;
+
+/// Engine options.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Engine")]
+pub(crate) struct EngineArgs {
+    /// Acceleration structure and solver: cells, sweep [default: cells]
+    #[arg(long, value_name = "NAME")]
+    pub engine: Option<String>,
+    /// Where to trace: cpu, auto [default: cpu]
+    #[arg(long, value_name = "NAME")]
+    pub device: Option<String>,
+    /// Threads; the result is the same for any number [default: one per logical core]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub threads: Option<usize>,
+    /// Instruction set: auto, baseline, sse4.2, avx2, avx512, neon [default: auto]
+    #[arg(long, value_name = "LEVEL")]
+    pub simd: Option<String>,
+}

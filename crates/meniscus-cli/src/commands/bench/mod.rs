@@ -1,0 +1,179 @@
+//! `meniscus bench`: how fast rays are traced.
+
+mod passes;
+
+use crate::args::bench::BenchArgs;
+use crate::exit::{Failure, Outcome};
+use crate::interrupt;
+use crate::job::engine::EngineChoice;
+use crate::job::input;
+use crate::job::load::{self, LoadedFrame, ReadFrame};
+use crate::job::scene::{apply_camera, apply_surface, scene_failure};
+use crate::progress::Reporter;
+use meniscus::frame::Light;
+use meniscus::math::DVec3;
+use meniscus::scene::Scene;
+use meniscus::scene::camera::Camera;
+use passes::{Bench, PassFigures};
+use serde::Serialize;
+use std::io::Write;
+
+/// What `bench --json` prints. The keys are fixed: measurements read them.
+#[derive(Debug, Serialize)]
+struct BenchReport {
+    engine: &'static str,
+    simd: &'static str,
+    device: &'static str,
+    threads: usize,
+    repeats: u32,
+    particles: usize,
+    build_secs: f64,
+    structure_bytes: usize,
+    bytes_per_particle: f64,
+    primary: PassFigures,
+    shadow: PassFigures,
+    hemisphere: PassFigures,
+    shuffled: PassFigures,
+    nodes_per_ray: f64,
+    leaves_per_ray: f64,
+    blob_evaluations_per_ray: f64,
+}
+
+/// Most repeats that make sense to ask for.
+const MAX_REPEATS: u32 = 10_000;
+
+/// Runs the command.
+pub(crate) fn run(args: &BenchArgs) -> Outcome {
+    let reporter = Reporter::new(&args.messages);
+    if args.repeats == 0 || args.repeats > MAX_REPEATS {
+        return Err(Failure::wrong(format!(
+            "--repeats {}: between 1 and {MAX_REPEATS} are possible",
+            args.repeats
+        )));
+    }
+    let inputs = match &args.inputs[..] {
+        [paper, ..] if paper.as_os_str() == "paper" => {
+            return Err(Failure::not_yet("bench paper", "bench INPUT"));
+        }
+        [only] => std::slice::from_ref(only),
+        _ => return Err(Failure::wrong("bench takes one input")),
+    };
+    let engine = EngineChoice::new(&args.engine)?;
+    let edit = |scene: &mut Scene| {
+        apply_surface(&args.surface, scene)?;
+        apply_camera(&args.camera, scene)?;
+        // Only surfaces are measured.
+        scene.ground = None;
+        [scene.film.width, scene.film.height] = args.size.0;
+        scene.validate().map_err(scene_failure)
+    };
+    let resolved = input::resolve(inputs, None, &edit)?;
+    let [input] = &resolved.frames[..] else {
+        return Err(Failure::wrong(format!(
+            "bench takes one frame, the input has {}",
+            resolved.frames.len()
+        )));
+    };
+    reporter.start(1);
+    let ReadFrame { files, .. } = load::read(input, &reporter)?;
+    reporter.stage("build");
+    let silent = Reporter::silent();
+    let mut build_secs = Vec::new();
+    let mut loaded: Option<LoadedFrame> = None;
+    for repeat in 0..args.repeats {
+        // One structure at a time: memory is part of what is measured.
+        drop(loaded.take());
+        interrupt::check()?;
+        let to = if repeat == 0 { &reporter } else { &silent };
+        let built = load::build(input, &input.scene, &files, &[], &engine, to)?;
+        build_secs.push(built.build_secs);
+        loaded = Some(built);
+    }
+    drop(files);
+    let Some(loaded) = loaded else {
+        return Err(Failure::wrong("nothing to measure"));
+    };
+    let frame = &loaded.frame;
+    let camera = Camera::from_settings(&input.scene.camera, frame.framing_bounds(), args.size.0)
+        .map_err(|error| Failure::wrong(error.to_string()))?;
+    let towards_light = frame.lights.iter().find_map(|light| match light {
+        Light::Sun { towards, .. } => Some(*towards),
+        Light::Sky { .. } => None,
+    });
+    reporter.stage("trace");
+    let bench = Bench {
+        frame,
+        camera: &camera,
+        towards_light: towards_light.unwrap_or(DVec3::Y),
+        repeats: args.repeats,
+        reporter: &reporter,
+    };
+    let measured = bench.run()?;
+    let particles = loaded.particles();
+    let structure_bytes = loaded.structure_bytes();
+    let rays = measured.counters.rays.max(1) as f64;
+    let report = BenchReport {
+        engine: engine.frame.engine.name(),
+        simd: engine.simd,
+        device: engine.device,
+        threads: engine.threads,
+        repeats: args.repeats,
+        particles,
+        build_secs: passes::median(&mut build_secs),
+        structure_bytes,
+        bytes_per_particle: structure_bytes as f64 / particles.max(1) as f64,
+        primary: measured.primary,
+        shadow: measured.shadow,
+        hemisphere: measured.hemisphere,
+        shuffled: measured.shuffled,
+        nodes_per_ray: measured.counters.nodes as f64 / rays,
+        leaves_per_ray: measured.counters.leaves as f64 / rays,
+        blob_evaluations_per_ray: measured.counters.blob_evaluations as f64 / rays,
+    };
+    reporter.finish();
+    let text = if args.json {
+        serde_json::to_string_pretty(&report).map_err(|error| Failure::work(error.to_string()))?
+    } else {
+        table(&report)
+    };
+    writeln!(std::io::stdout(), "{text}")
+        .map_err(|error| Failure::work(format!("cannot print: {error}")))
+}
+
+fn table(report: &BenchReport) -> String {
+    let mut text = format!(
+        "{} particles, engine {}, {}, {} threads, median of {} repeats\n\
+         build {:.2} ms, {:.1} bytes a particle\n\
+         {:<11}{:>10}{:>10}{:>10}{:>8}\n",
+        report.particles,
+        report.engine,
+        report.simd,
+        report.threads,
+        report.repeats,
+        report.build_secs * 1e3,
+        report.bytes_per_particle,
+        "pass",
+        "rays",
+        "Mray/s",
+        "best",
+        "hits",
+    );
+    for (name, pass) in [
+        ("primary", &report.primary),
+        ("shadow", &report.shadow),
+        ("hemisphere", &report.hemisphere),
+        ("shuffled", &report.shuffled),
+    ] {
+        text += &format!(
+            "{name:<11}{:>10}{:>10.3}{:>10.3}{:>7.1}%\n",
+            pass.rays,
+            pass.mrays_per_sec,
+            pass.best_mrays_per_sec,
+            pass.hit_fraction * 100.0
+        );
+    }
+    text + &format!(
+        "per primary ray: {:.2} nodes, {:.2} leaves, {:.1} blobs",
+        report.nodes_per_ray, report.leaves_per_ray, report.blob_evaluations_per_ray
+    )
+}

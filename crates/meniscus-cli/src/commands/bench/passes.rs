@@ -1,0 +1,201 @@
+//! The four passes that are measured.
+
+use crate::exit::Outcome;
+use crate::interrupt;
+use crate::progress::Reporter;
+use meniscus::frame::Frame;
+use meniscus::intersect::{Counters, Hit, Scratch};
+use meniscus::math::DVec3;
+use meniscus::math::ray::{Ray, Side};
+use meniscus::math::sampling::{PixelSampler, cosine_hemisphere};
+use meniscus::scene::camera::Camera;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Rays that one task traces.
+const CHUNK: usize = 1024;
+/// Seed of the hemisphere's directions and of the shuffle.
+const SEED: u32 = 1;
+
+/// One pass, as printed.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct PassFigures {
+    /// Rays of one repeat.
+    pub rays: u64,
+    /// Median time of one repeat.
+    pub secs: f64,
+    /// Million rays a second, from the median time.
+    pub mrays_per_sec: f64,
+    /// The same from the best time.
+    pub best_mrays_per_sec: f64,
+    /// Part of the rays that hit.
+    pub hit_fraction: f64,
+}
+
+/// What was measured.
+#[derive(Debug)]
+pub(crate) struct Measured {
+    /// One ray per pixel centre.
+    pub primary: PassFigures,
+    /// Towards the light.
+    pub shadow: PassFigures,
+    /// One cosine-distributed ray per hit, in pixel order.
+    pub hemisphere: PassFigures,
+    /// The same in random order.
+    pub shuffled: PassFigures,
+    /// Work of one primary pass.
+    pub counters: Counters,
+}
+
+/// What to measure.
+pub(crate) struct Bench<'a> {
+    /// The surfaces.
+    pub frame: &'a Frame,
+    /// Where primary rays start.
+    pub camera: &'a Camera,
+    /// Where shadow rays go.
+    pub towards_light: DVec3,
+    /// How often.
+    pub repeats: u32,
+    /// Who is told.
+    pub reporter: &'a Reporter,
+}
+
+/// Where a secondary ray starts.
+#[derive(Debug, Clone, Copy)]
+struct Start {
+    position: DVec3,
+    normal: DVec3,
+    pixel: u32,
+}
+
+/// The middle value; sorts.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let count = values.len();
+    match count {
+        0 => 0.0,
+        _ if count % 2 == 1 => values[count / 2],
+        _ => 0.5 * (values[count / 2 - 1] + values[count / 2]),
+    }
+}
+
+impl Bench<'_> {
+    /// Measures all passes.
+    pub(crate) fn run(&self) -> Outcome<Measured> {
+        let [width, height] = self.camera.size;
+        let pixels: Vec<u32> = (0..width * height).collect();
+        let primary_ray = |&pixel: &u32| {
+            let (x, y) = (pixel % width, pixel / width);
+            self.camera.ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
+        };
+        let closest = |ray: &Ray, scratch: &mut Scratch| self.frame.closest_hit(ray, scratch);
+        let (primary, hits, counters) = self.pass(0, &pixels, primary_ray, closest)?;
+
+        let starts: Vec<Start> = hits
+            .into_iter()
+            .zip(&pixels)
+            .filter_map(|(hit, &pixel)| {
+                let hit: Hit = hit?;
+                Some(Start {
+                    position: hit.position,
+                    normal: hit.normal,
+                    pixel,
+                })
+            })
+            .collect();
+        let lit: Vec<Start> = starts
+            .iter()
+            .filter(|start| start.normal.dot(self.towards_light) > 0.0)
+            .copied()
+            .collect();
+        let shadow_ray = |start: &Start| from_surface(start, self.towards_light);
+        let blocked =
+            |ray: &Ray, scratch: &mut Scratch| self.frame.any_hit(ray, scratch).then_some(());
+        let (shadow, ..) = self.pass(1, &lit, shadow_ray, blocked)?;
+
+        let hemisphere_ray = |start: &Start| {
+            let pixel = [start.pixel % width, start.pixel / width];
+            let u = PixelSampler::new(pixel, 0, SEED).next_2d();
+            from_surface(start, cosine_hemisphere(start.normal, u))
+        };
+        let (hemisphere, ..) = self.pass(2, &starts, hemisphere_ray, closest)?;
+        let mut shuffled = starts;
+        shuffle(&mut shuffled);
+        let (shuffled, ..) = self.pass(3, &shuffled, hemisphere_ray, closest)?;
+        Ok(Measured {
+            primary,
+            shadow,
+            hemisphere,
+            shuffled,
+            counters,
+        })
+    }
+
+    /// One pass, `repeats` times: rays are made, traced, and answered within the measured time. The
+    /// answers and the counted work are those of one repeat.
+    fn pass<T: Sync, A: Send>(
+        &self,
+        pass: u64,
+        items: &[T],
+        ray_of: impl Fn(&T) -> Ray + Sync,
+        trace: impl Fn(&Ray, &mut Scratch) -> Option<A> + Sync,
+    ) -> Outcome<(PassFigures, Vec<Option<A>>, Counters)> {
+        let mut times = Vec::new();
+        let mut answers: Vec<Option<A>> = Vec::new();
+        let mut counters = Counters::default();
+        for repeat in 0..self.repeats {
+            interrupt::check()?;
+            let start = Instant::now();
+            let chunks: Vec<(Vec<Option<A>>, Counters)> = items
+                .par_chunks(CHUNK)
+                .map(|chunk| {
+                    let mut scratch = Scratch::default();
+                    let answers = chunk.iter().map(|item| trace(&ray_of(item), &mut scratch));
+                    (answers.collect(), scratch.counters)
+                })
+                .collect();
+            times.push(start.elapsed().as_secs_f64());
+            counters = Counters::default();
+            answers = Vec::with_capacity(items.len());
+            for (chunk, work) in chunks {
+                counters += work;
+                answers.extend(chunk);
+            }
+            let done = pass * u64::from(self.repeats) + u64::from(repeat) + 1;
+            self.reporter.advance(done, 4 * u64::from(self.repeats));
+        }
+        let secs = median(&mut times);
+        let rays = items.len() as u64;
+        let rate = |secs: f64| {
+            if secs > 0.0 {
+                rays as f64 / secs * 1e-6
+            } else {
+                0.0
+            }
+        };
+        let hits = answers.iter().filter(|answer| answer.is_some()).count();
+        let figures = PassFigures {
+            rays,
+            secs,
+            mrays_per_sec: rate(secs),
+            best_mrays_per_sec: rate(times.first().copied().unwrap_or(0.0)),
+            hit_fraction: hits as f64 / rays.max(1) as f64,
+        };
+        Ok((figures, answers, counters))
+    }
+}
+
+fn from_surface(start: &Start, direction: DVec3) -> Ray {
+    Ray::new(start.position, direction).with_side(Side::Outside)
+}
+
+/// Fisher and Yates, with a fixed seed.
+fn shuffle<T>(items: &mut [T]) {
+    for i in (1..items.len()).rev() {
+        let random = PixelSampler::new([i as u32, 0], 0, SEED).next_1d();
+        let j = (random * (i + 1) as f64) as usize;
+        items.swap(i, j.min(i));
+    }
+}

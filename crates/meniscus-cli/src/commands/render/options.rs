@@ -1,0 +1,249 @@
+//! The options of `render`, checked and applied to scenes.
+
+use crate::args::render::RenderArgs;
+use crate::exit::{Failure, Outcome};
+use crate::job::output::{PictureFormat, without_number};
+use crate::job::scene::{apply_camera, apply_surface, scene_failure};
+use crate::progress::Reporter;
+use meniscus::film::{AovStyle, BitDepth, CHANNELS, Region};
+use meniscus::particles::sequence::{FrameSelection, is_pattern};
+use meniscus::scene::{Background, ColorMap, Ground, IntegratorKind, Preset, Scene};
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// What decides about the file of a picture rather than about the scene.
+#[derive(Debug)]
+pub(crate) struct PictureOptions {
+    /// Kind of file.
+    pub format: PictureFormat,
+    /// Channels asked for.
+    pub aov: Vec<String>,
+    /// Their names.
+    pub style: AovStyle,
+    /// Bits of a PNG.
+    pub depth: BitDepth,
+    /// Part of the picture.
+    pub region: Option<Region>,
+    /// Samples of each pixel.
+    pub samples: Option<Range<u32>>,
+    /// The one legend of a sequence whose colour range is fixed; else each picture has its own.
+    pub shared_legend: Option<PathBuf>,
+}
+
+impl PictureOptions {
+    /// Checks the options.
+    pub(crate) fn new(
+        args: &RenderArgs,
+        format: PictureFormat,
+        reporter: &Reporter,
+    ) -> Outcome<Self> {
+        refuse_what_is_to_come(args)?;
+        if format == PictureFormat::Png && !args.aov.is_empty() {
+            return Err(
+                Failure::wrong("--aov needs an EXR: a PNG holds colour alone")
+                    .with_help("write the picture as .exr"),
+            );
+        }
+        if format == PictureFormat::Png && args.aov_style.is_some() {
+            return Err(
+                Failure::wrong("--aov-style needs an EXR").with_help("write the picture as .exr")
+            );
+        }
+        if args.fps.is_some() {
+            reporter.warn("--fps changes nothing: pictures without shutter time have no speed");
+        }
+        let fixed_range = args.color_range.is_some() && is_pattern(&args.output);
+        Ok(Self {
+            format,
+            aov: args.aov.clone(),
+            style: match args.aov_style.as_deref() {
+                None | Some("plain") => AovStyle::Plain,
+                Some("blender") => AovStyle::Blender,
+                Some(other) => {
+                    return Err(Failure::wrong(format!("there is no --aov-style `{other}`"))
+                        .with_help("there are: plain, blender"));
+                }
+            },
+            depth: match args.png_depth {
+                8 => BitDepth::Eight,
+                16 => BitDepth::Sixteen,
+                other => {
+                    return Err(Failure::wrong(format!(
+                        "--png-depth {other}: a PNG has 8 or 16 bits"
+                    )));
+                }
+            },
+            region: args.region.map(|region| {
+                let [x, y, width, height] = region.0;
+                Region {
+                    x,
+                    y,
+                    width,
+                    height,
+                }
+            }),
+            samples: args
+                .samples
+                .map(|range| range.first..range.last.saturating_add(1)),
+            shared_legend: fixed_range.then(|| without_number(&args.output)),
+        })
+    }
+}
+
+/// Flags that are announced and not there yet are answered, never ignored.
+fn refuse_what_is_to_come(args: &RenderArgs) -> Outcome {
+    if let Some(shutter) = args.shutter
+        && shutter != 0.0
+    {
+        return Err(Failure::not_yet(
+            "--shutter other than 0 (motion blur)",
+            "--shutter 0",
+        ));
+    }
+    if args.turntable.is_some() {
+        return Err(Failure::not_yet(
+            "--turntable",
+            "several runs with --camera-eye",
+        ));
+    }
+    let channels = || {
+        CHANNELS
+            .iter()
+            .map(|channel| channel.name)
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    for name in &args.aov {
+        if ["motion", "curvature"].contains(&name.trim()) {
+            let available = format!("all, {} and names of columns", channels());
+            return Err(Failure::not_yet(&format!("--aov {name}"), &available));
+        }
+    }
+    match args.integrator.as_deref() {
+        None => Ok(()),
+        Some(name) => match IntegratorKind::from_name(name) {
+            Some(kind) if kind.is_supported() => Ok(()),
+            Some(_) => Err(Failure::not_yet(&format!("--integrator {name}"), "shaded")),
+            None => Err(Failure::wrong(format!("there is no integrator `{name}`"))
+                .with_help("there is: shaded")),
+        },
+    }
+}
+
+/// The frames asked for.
+pub(crate) fn selection(args: &RenderArgs) -> Outcome<Option<FrameSelection>> {
+    let parse = |text: &str| {
+        text.parse()
+            .map_err(|error: meniscus::particles::sequence::SelectionError| {
+                Failure::wrong(format!("--frames: {error}"))
+            })
+    };
+    args.frames.as_deref().map(parse).transpose()
+}
+
+/// Applies every option to a scene: single keys first, then the options of their own, and the preset
+/// to what is still open.
+pub(crate) fn edit_scene(args: &RenderArgs, format: PictureFormat, scene: &mut Scene) -> Outcome {
+    for setting in &args.settings {
+        scene
+            .set(&setting.path, &setting.value)
+            .map_err(scene_failure)?;
+    }
+    apply_surface(&args.surface, scene)?;
+    apply_camera(&args.camera, scene)?;
+    apply_look(args, scene)?;
+    if let Some(size) = args.size {
+        [scene.film.width, scene.film.height] = size.0;
+    }
+    if let Some(spp) = args.spp {
+        scene.film.spp = spp;
+    }
+    let background = args.background.as_deref().map(background).transpose()?;
+    scene.film.background = background.or(scene.film.background).or(match format {
+        PictureFormat::Png => Some(Background::Sky),
+        PictureFormat::Exr => Some(Background::Transparent),
+    });
+    if args.ground {
+        scene.ground.get_or_insert_with(Ground::default);
+    }
+    scene.validate().map_err(scene_failure)?;
+    check_parts(args, scene)
+}
+
+fn background(text: &str) -> Outcome<Background> {
+    text.parse()
+        .map_err(|error: meniscus::scene::film::BackgroundError| {
+            Failure::wrong(format!("--background: {error}"))
+        })
+}
+
+fn apply_look(args: &RenderArgs, scene: &mut Scene) -> Outcome {
+    let map = args.color_map.as_deref().map(|name| {
+        ColorMap::from_name(name).ok_or_else(|| {
+            let all = ColorMap::ALL.map(ColorMap::name).join(", ");
+            Failure::wrong(format!("there is no colour map `{name}`"))
+                .with_help(format!("there are: {all}"))
+        })
+    });
+    let map = map.transpose()?;
+    let mut is_colored = false;
+    for surface in &mut scene.surfaces {
+        if let Some(color_by) = &args.color_by {
+            surface.color_by = Some(color_by.clone());
+        }
+        surface.color_map = map.or(surface.color_map);
+        surface.color_range = args
+            .color_range
+            .map(|range| range.0)
+            .or(surface.color_range);
+        is_colored |= surface.color_by.is_some();
+    }
+    if !is_colored && (map.is_some() || args.color_range.is_some()) {
+        return Err(
+            Failure::wrong("--color-map and --color-range need something to colour by")
+                .with_help("add --color-by and the name of a column"),
+        );
+    }
+    let Some(name) = &args.preset else {
+        return Ok(());
+    };
+    let preset = Preset::from_name(name).ok_or_else(|| {
+        let all = Preset::ALL.map(|preset| preset.name).join(", ");
+        Failure::wrong(format!("there is no preset `{name}`"))
+            .with_help(format!("there are: {all}"))
+    })?;
+    preset.apply(scene);
+    Ok(())
+}
+
+/// Region and sample range against the picture.
+fn check_parts(args: &RenderArgs, scene: &Scene) -> Outcome {
+    let [width, height] = [scene.film.width, scene.film.height];
+    if let Some(region) = args.region {
+        let [x, y, w, h] = region.0;
+        let whole = Region::full(width, height);
+        let part = Region {
+            x,
+            y,
+            width: w,
+            height: h,
+        };
+        if w == 0 || h == 0 || !whole.contains(&part) {
+            return Err(Failure::wrong(format!(
+                "--region {x},{y},{w},{h} is not within the picture of {width}x{height} pixels"
+            )));
+        }
+    }
+    if let Some(range) = args.samples
+        && range.last >= scene.film.spp
+    {
+        return Err(Failure::wrong(format!(
+            "--samples {}-{}: there are {} samples per pixel, 0-{}",
+            range.first,
+            range.last,
+            scene.film.spp,
+            scene.film.spp.saturating_sub(1)
+        )));
+    }
+    Ok(())
+}

@@ -1,0 +1,189 @@
+//! One picture: read, build, render, write.
+
+use super::options::PictureOptions;
+use crate::exit::{Failure, Outcome};
+use crate::interrupt;
+use crate::job::engine::EngineChoice;
+use crate::job::input::FrameInput;
+use crate::job::load::{self, LoadedFrame};
+use crate::job::output::PictureFormat;
+use crate::progress::Reporter;
+use crate::stats::{FrameStats, ImageStats, RayStats, peak_rss_bytes};
+use meniscus::film::{ChannelSet, Film, FilmError, Legend, Tone};
+use meniscus::frame::{BaseColor, Frame};
+use meniscus::render::{Backend, CpuBackend, Progress, RenderError, RenderSettings, RenderStats};
+use meniscus::scene::Scene;
+use meniscus::scene::camera::Camera;
+use meniscus::shade::frame_attributes;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What one picture is made from.
+pub(crate) struct FrameWork<'a> {
+    /// Where the particles come from.
+    pub input: &'a FrameInput,
+    /// The scene, everything applied.
+    pub scene: &'a Scene,
+    /// Where the picture goes.
+    pub output: &'a Path,
+    /// About the file.
+    pub options: &'a PictureOptions,
+    /// How to trace.
+    pub engine: &'a EngineChoice,
+}
+
+/// The scene's camera; what is open frames the objects.
+pub(crate) fn camera(scene: &Scene, frame: &Frame) -> Outcome<Camera> {
+    let size = [scene.film.width, scene.film.height];
+    Camera::from_settings(&scene.camera, frame.framing_bounds(), size)
+        .map_err(|error| Failure::wrong(error.to_string()))
+}
+
+impl FrameWork<'_> {
+    /// Renders and writes the picture.
+    pub(crate) fn render(&self, reporter: &Reporter) -> Outcome<FrameStats> {
+        let start = Instant::now();
+        let aov = &self.options.aov;
+        let loaded = load::load(self.input, self.scene, aov, self.engine, reporter)?;
+        let camera = camera(self.scene, &loaded.frame)?;
+        let (film, rendered) = self.film(&loaded.frame, &camera, reporter)?;
+        interrupt::check()?;
+        reporter.stage("write");
+        let writing = Instant::now();
+        self.write(&film, &loaded.frame)?;
+        let write_secs = writing.elapsed().as_secs_f64();
+        reporter.note(&format!(
+            "{}: {} particles, read {:.3} s, build {:.3} s, render {:.3} s, write {write_secs:.3} s",
+            self.output.display(),
+            loaded.particles(),
+            loaded.read_secs,
+            loaded.build_secs,
+            rendered.seconds,
+        ));
+        let total_secs = start.elapsed().as_secs_f64();
+        Ok(self.stats(&loaded, &rendered, write_secs, total_secs))
+    }
+
+    fn film(
+        &self,
+        frame: &Frame,
+        camera: &Camera,
+        reporter: &Reporter,
+    ) -> Outcome<(Film, RenderStats)> {
+        let film = &self.scene.film;
+        let channels = ChannelSet::new(&self.options.aov, &frame_attributes(frame))
+            .map_err(|error| Failure::wrong(format!("--aov: {error}")))?;
+        let settings = RenderSettings {
+            region: self.options.region,
+            spp: film.spp,
+            samples: self.options.samples.clone(),
+            channels: Arc::new(channels),
+            background: film.background.unwrap_or_default(),
+            integrator: self.scene.integrator.kind,
+            ..RenderSettings::default()
+        };
+        reporter.stage("render");
+        let advance = |done, total| reporter.advance(done, total);
+        let progress = Progress::none()
+            .with_cancel(&interrupt::CANCELLED)
+            .with_callback(&advance);
+        CpuBackend
+            .render(frame, camera, &settings, &progress)
+            .map_err(|error| match error {
+                RenderError::Cancelled => Failure::Interrupted,
+                RenderError::Film(FilmError::Write { .. }) | RenderError::Threads { .. } => {
+                    Failure::work(error.to_string())
+                }
+                RenderError::Film(FilmError::Memory { .. }) => Failure::work(error.to_string())
+                    .with_help("render parts with --region, or fewer channels"),
+                _ => Failure::wrong(error.to_string()),
+            })
+    }
+
+    fn write(&self, film: &Film, frame: &Frame) -> Outcome {
+        let failed = |error: FilmError| Failure::work(error.to_string());
+        if let Some(legend) = self.legend(frame) {
+            let picture = self.options.shared_legend.as_deref().unwrap_or(self.output);
+            legend.write_beside(picture).map_err(failed)?;
+        }
+        match self.options.format {
+            PictureFormat::Png => {
+                let exposure = self.scene.film.exposure as f32;
+                let image = film.develop(Tone::Filmic { exposure }, self.options.depth);
+                image.write_png(self.output).map_err(failed)
+            }
+            PictureFormat::Exr => film
+                .write_exr(self.output, self.options.style)
+                .map_err(failed),
+        }
+    }
+
+    /// The legend of the first surface that is coloured by a column.
+    fn legend(&self, frame: &Frame) -> Option<Legend> {
+        let coloring = frame
+            .materials
+            .iter()
+            .find_map(|material| match &material.base {
+                BaseColor::Attribute(coloring) => Some(coloring),
+                BaseColor::Constant(_) => None,
+            })?;
+        let surface = self.scene.surfaces.iter().find(|s| s.color_by.is_some())?;
+        Some(Legend {
+            name: coloring.label.clone(),
+            unit: None,
+            map: surface.color_map.unwrap_or_default(),
+            range: coloring.range.map(f64::from),
+        })
+    }
+
+    fn stats(
+        &self,
+        loaded: &LoadedFrame,
+        rendered: &RenderStats,
+        write_secs: f64,
+        total_secs: f64,
+    ) -> FrameStats {
+        let reports = &loaded.reports;
+        let settings = loaded.settings.first();
+        let film = &self.scene.film;
+        let rays = &rendered.rays;
+        FrameStats {
+            particles: loaded.particles(),
+            dropped: reports.iter().map(|report| report.dropped).sum(),
+            device: self.engine.device,
+            engine: self.engine.frame.engine.name(),
+            simd: self.engine.simd,
+            threads: rendered.threads,
+            kernel: settings.map_or("", |settings| settings.kernel.name()),
+            threshold: settings.map_or(0.0, |settings| settings.threshold),
+            weights: settings.map_or_else(String::new, |s| s.weights.name().to_owned()),
+            spacing: reports.first().and_then(|report| report.spacing),
+            support_min: reports
+                .iter()
+                .map(|r| r.support_min)
+                .fold(f64::INFINITY, f64::min),
+            support_max: reports.iter().map(|r| r.support_max).fold(0.0, f64::max),
+            image: ImageStats {
+                width: film.width,
+                height: film.height,
+                spp: film.spp,
+            },
+            read_secs: loaded.read_secs,
+            build_secs: loaded.build_secs,
+            render_secs: rendered.seconds,
+            write_secs,
+            total_secs,
+            structure_bytes: loaded.structure_bytes(),
+            peak_rss_bytes: peak_rss_bytes(),
+            rays: RayStats {
+                primary: rays.primary,
+                shadow: rays.shadow,
+                reflection: rays.reflection,
+                refraction: rays.refraction,
+                ambient_occlusion: rays.ambient_occlusion,
+                diffuse: rays.diffuse,
+            },
+        }
+    }
+}

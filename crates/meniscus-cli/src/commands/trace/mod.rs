@@ -1,0 +1,64 @@
+//! `meniscus trace`: rays from a file, hits to a file.
+
+mod hits;
+mod rays;
+
+use crate::args::trace::TraceArgs;
+use crate::exit::{Failure, Outcome};
+use crate::interrupt;
+use crate::job::engine::EngineChoice;
+use crate::job::scene::{apply_camera, apply_surface, scene_failure};
+use crate::job::{files, input, load};
+use crate::progress::Reporter;
+use hits::{Answers, Question};
+use meniscus::scene::Scene;
+
+/// Runs the command.
+pub(crate) fn run(args: &TraceArgs) -> Outcome {
+    let reporter = Reporter::new(&args.messages);
+    let engine = EngineChoice::new(&args.engine)?;
+    if args.output.extension().is_none_or(|ending| ending != "npz") {
+        return Err(Failure::wrong(format!(
+            "{}: hits are written as .npz",
+            args.output.display()
+        )));
+    }
+    files::check_writable(&args.output)?;
+    let edit = |scene: &mut Scene| {
+        apply_surface(&args.surface, scene)?;
+        apply_camera(&args.camera, scene)?;
+        scene.validate().map_err(scene_failure)
+    };
+    let inputs = input::resolve(std::slice::from_ref(&args.input), None, &edit)?;
+    let input = match &inputs.frames[..] {
+        [only] => only,
+        several => {
+            return Err(Failure::wrong(format!(
+                "trace takes one frame, the input has {}",
+                several.len()
+            )));
+        }
+    };
+    let rays = rays::read(&args.rays)?;
+    reporter.start(1);
+    let loaded = load::load(input, &input.scene, &[], &engine, &reporter)?;
+    reporter.stage("trace");
+    let question = if args.any {
+        Question::Any
+    } else if args.all {
+        Question::All
+    } else {
+        Question::Closest
+    };
+    let answers = Answers::of(question, &loaded.frame, &rays, &reporter)?;
+    interrupt::check()?;
+    reporter.stage("write");
+    answers.write(&args.output)?;
+    reporter.note(&format!(
+        "{} rays, build {:.3} s",
+        rays.len(),
+        loaded.build_secs
+    ));
+    reporter.finish();
+    Ok(())
+}

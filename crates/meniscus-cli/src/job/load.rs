@@ -1,0 +1,161 @@
+//! From files to a frame that can be traced.
+
+use super::columns;
+use super::engine::EngineChoice;
+use super::input::FrameInput;
+use crate::exit::{Failure, Outcome};
+use crate::interrupt;
+use crate::progress::Reporter;
+use crate::report::{Excerpt, Message};
+use meniscus::field::{BlobField, FieldError, FieldReport};
+use meniscus::frame::{Frame, Geometry};
+use meniscus::particles::io::{self, ParticleFile};
+use meniscus::scene::{BlobSettings, Scene};
+use std::path::Path;
+use std::time::Instant;
+
+/// A frame, where it came from, and what it took.
+#[derive(Debug)]
+pub(crate) struct LoadedFrame {
+    /// The frame.
+    pub frame: Frame,
+    /// The settings of each surface, defaults filled in.
+    pub settings: Vec<BlobSettings>,
+    /// What happened to each surface's particles.
+    pub reports: Vec<FieldReport>,
+    /// Reading and decoding files.
+    pub read_secs: f64,
+    /// Fields, weights and acceleration structures.
+    pub build_secs: f64,
+}
+
+impl LoadedFrame {
+    /// Memory of the acceleration structures.
+    pub(crate) fn structure_bytes(&self) -> usize {
+        self.blobs()
+            .map(|blobs| blobs.accel.structure_bytes())
+            .sum()
+    }
+
+    /// Particles in the frame.
+    pub(crate) fn particles(&self) -> usize {
+        self.blobs().map(|blobs| blobs.field.len()).sum()
+    }
+
+    fn blobs(&self) -> impl Iterator<Item = &meniscus::frame::Blobs> {
+        self.frame
+            .geometries
+            .iter()
+            .filter_map(|geometry| match geometry {
+                Geometry::Blobs(blobs) => Some(&**blobs),
+                Geometry::Plane(_) => None,
+            })
+    }
+}
+
+/// The particle files of a frame, decoded.
+#[derive(Debug)]
+pub(crate) struct ReadFrame {
+    /// One per surface.
+    pub files: Vec<ParticleFile>,
+    /// Reading and decoding.
+    pub read_secs: f64,
+}
+
+/// Reads the particle files of a frame.
+pub(crate) fn read(input: &FrameInput, reporter: &Reporter) -> Outcome<ReadFrame> {
+    reporter.stage("read");
+    let start = Instant::now();
+    let mut files = Vec::with_capacity(input.files.len());
+    for (surface, path) in input.files.iter().enumerate() {
+        interrupt::check()?;
+        // Only the first file of a scene can hold the time steps that are being rendered.
+        let step = if surface == 0 { input.step } else { 0 };
+        let file = io::read(path, step).map_err(|error| Failure::work(error.to_string()))?;
+        for warning in &file.warnings {
+            reporter.warn(&format!("{}: {warning}", path.display()));
+        }
+        files.push(file);
+    }
+    Ok(ReadFrame {
+        files,
+        read_secs: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// Reads and builds a frame. `scene` is the input's scene with everything applied; `aov` names the
+/// channels that will be asked for.
+pub(crate) fn load(
+    input: &FrameInput,
+    scene: &Scene,
+    aov: &[String],
+    engine: &EngineChoice,
+    reporter: &Reporter,
+) -> Outcome<LoadedFrame> {
+    let ReadFrame { files, read_secs } = read(input, reporter)?;
+    reporter.stage("build");
+    build(input, scene, &files, aov, engine, reporter).map(|loaded| LoadedFrame {
+        read_secs,
+        ..loaded
+    })
+}
+
+/// Builds a frame from decoded files.
+pub(crate) fn build(
+    input: &FrameInput,
+    scene: &Scene,
+    files: &[ParticleFile],
+    aov: &[String],
+    engine: &EngineChoice,
+    reporter: &Reporter,
+) -> Outcome<LoadedFrame> {
+    let start = Instant::now();
+    let mut fields = Vec::with_capacity(files.len());
+    let mut all_settings = Vec::with_capacity(files.len());
+    let mut reports = Vec::with_capacity(files.len());
+    for ((surface, file), path) in scene.surfaces.iter().zip(files).zip(&input.files) {
+        interrupt::check()?;
+        let mut settings = surface.settings(&BlobSettings::default());
+        columns::carry(&mut settings, surface, aov, &file.particles);
+        let built = BlobField::from_particles(&file.particles, &settings)
+            .map_err(|error| field_failure(error, path))?;
+        for warning in &built.report.warnings {
+            reporter.warn(&format!("{}: {warning}", path.display()));
+        }
+        fields.push(built.field);
+        reports.push(built.report);
+        all_settings.push(settings);
+    }
+    let frame = Frame::build(scene, fields, &engine.frame)
+        .map_err(|error| Failure::wrong(error.to_string()))?;
+    Ok(LoadedFrame {
+        frame,
+        settings: all_settings,
+        reports,
+        read_secs: 0.0,
+        build_secs: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// Settings that do not fit are a wrong command line; a file without usable particles is not.
+fn field_failure(error: FieldError, path: &Path) -> Failure {
+    let path = path.display();
+    match error {
+        FieldError::Filter(filter) => Failure::Wrong(Box::new(Message {
+            text: format!("--filter: {}", filter.problem),
+            help: filter.help.clone(),
+            excerpt: Some(Excerpt::new(
+                "filter",
+                &filter.expression,
+                filter.span.clone(),
+            )),
+        })),
+        FieldError::Missing { what, missing } => {
+            Failure::wrong(format!("{path}: {what}: {}", missing.problem()))
+                .with_help(missing.help())
+        }
+        FieldError::NoRadius => Failure::work(format!("{path}: {error}")),
+        FieldError::Empty { .. } => Failure::work(format!("{path}: {error}")),
+        _ => Failure::wrong(format!("{path}: {error}")),
+    }
+}

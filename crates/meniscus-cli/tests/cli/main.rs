@@ -1,0 +1,11 @@
+//! The program as its users run it.
+
+mod bad_input;
+mod bench;
+mod generate;
+mod info;
+mod interrupt;
+mod options;
+mod render;
+mod run;
+mod trace;
