@@ -24,7 +24,6 @@ pub(super) fn symbol(atomic_number: f64) -> &'static str {
 
 /// The atomic number that a word of an XYZ file stands for: a symbol in any case, with digits or
 /// signs behind it (`H1`, `C+`), deuterium, or the number itself; 0 for anything else.
-#[allow(dead_code, reason = "the XYZ reader uses it")]
 pub(super) fn atomic_number(word: &[u8]) -> u8 {
     if let Some(number) = std::str::from_utf8(word)
         .ok()

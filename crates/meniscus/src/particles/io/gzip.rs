@@ -9,6 +9,11 @@ const ALWAYS_ALLOWED: u64 = 128 << 20;
 /// Allowed bytes per compressed byte beyond that.
 const RATIO: u64 = 32;
 
+/// How many bytes compressed ones may unfold to.
+pub(super) fn allowance(compressed: usize) -> u64 {
+    ALWAYS_ALLOWED + RATIO * compressed as u64
+}
+
 /// Decompressed content.
 pub(super) struct Unfolded {
     /// All members, one after the other.
@@ -24,7 +29,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 
 /// Decompresses every member, at most 128 MiB plus 32 times the compressed size.
 pub(super) fn unfold(compressed: &[u8]) -> Result<Unfolded, ParseError> {
-    unfold_within(compressed, ALWAYS_ALLOWED + RATIO * compressed.len() as u64)
+    unfold_within(compressed, allowance(compressed.len()))
 }
 
 fn unfold_within(compressed: &[u8], limit: u64) -> Result<Unfolded, ParseError> {

@@ -15,7 +15,9 @@ mod elements;
 mod foreign;
 mod geo;
 mod gzip;
+mod npy;
 mod npy_write;
+mod npz;
 mod ply;
 mod ply_write;
 mod raw_xyz;
@@ -28,6 +30,7 @@ mod vtk_values;
 mod vtk_xml;
 mod write;
 mod vtk_write;
+mod xyz;
 mod xyz_write;
 
 pub use error::{ParseError, Place, ReadError};
@@ -103,7 +106,10 @@ formats! {
     VtkXml vtk_xml "vtk-xml" "VTK XML, ascii, base64 or appended, compressed or not (.vtu .vtp .vts)";
     Bgeo bgeo "bgeo" "Houdini's classic binary geometry, version 5 (.bgeo)";
     Geo geo "geo" "Houdini's classic text geometry, version 5 (.geo)";
+    Npy npy "npy" "NumPy array (n, 3) or with named fields (.npy)";
+    Npz npz "npz" "NumPy archive with an array of positions and one array per column (.npz)";
     Csv csv "csv" "text table with a header, separated by commas, semicolons or tabs (.csv, .tsv)";
+    Xyz xyz "xyz" "XYZ text, plain or extended, several frames, or bare rows of numbers (.xyz)";
     RawXyz raw_xyz "raw-xyz" "raw little-endian f32 x y z triples without a header (.xyz of splashsurf)";
 }
 
@@ -198,8 +204,9 @@ fn parse_content(
         content
     };
     if let Some(known) = foreign::recognise(&content) {
+        let format = known.planned.then_some(known.name);
         return Err(Failure {
-            format: Some(known.name),
+            format,
             error: known.error(),
         });
     }
