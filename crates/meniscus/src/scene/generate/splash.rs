@@ -345,8 +345,8 @@ pub(super) fn generate(count: usize, seed: u64, time_secs: Option<f64>) -> Gener
         ..BlobSettings::default()
     };
     let bounds = DAabb {
-        min: DVec3::new(-0.80, -0.05, -0.60),
-        max: DVec3::new(0.80, 1.02, 0.60),
+        min: DVec3::new(-0.85, -0.09, -0.68),
+        max: DVec3::new(0.85, 1.03, 0.68),
     };
     let scene = Staging {
         blobs,

@@ -2,7 +2,7 @@
 
 use crate::math::aabb::DAabb;
 use crate::scene::preset::Preset;
-use crate::scene::{BlobSettings, CameraSettings, FilmSettings, Ground, Light, Scene, Surface, Up};
+use crate::scene::{BlobSettings, CameraSettings, Ground, Light, Scene, Surface, Up};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -27,9 +27,6 @@ pub(super) struct Staging {
 /// Vertical field of view of every staged camera, in degrees.
 const FOV_DEGREES: f64 = 35.0;
 
-/// Exposure of every staged scene: pale grounds and white molecules keep their shades.
-const EXPOSURE_STOPS: f64 = -0.6;
-
 impl Staging {
     /// The scene; the file of its one surface is left to the caller.
     pub(super) fn scene(self) -> Scene {
@@ -51,10 +48,6 @@ impl Staging {
                 weights: Some(blobs.weights),
                 ..Surface::default()
             }],
-            film: FilmSettings {
-                exposure: EXPOSURE_STOPS,
-                ..FilmSettings::default()
-            },
             ground: self.ground.then(Ground::default),
             lights: vec![Light::sun(rounded(self.light.normalize())), Light::sky()],
             ..Scene::default()
