@@ -10,7 +10,8 @@ pub(crate) enum ProgressMode {
     Auto,
     /// A bar
     Bar,
-    /// One JSON object per line
+    /// One JSON object per line: event (start, frame, progress, frame_done, warning, done), and with
+    /// progress stage, fraction, elapsed_secs, remaining_secs
     Json,
     /// Nothing
     None,

@@ -45,7 +45,7 @@ pub enum WriteError {
 
 macro_rules! writers {
     ($($ending:literal $function:path;)*) => {
-        /// Endings that [`write`] knows.
+        /// Endings that [`write()`] knows.
         pub const WRITTEN_ENDINGS: &[&str] = &[$($ending),*];
 
         fn write_as<W: Write + Seek>(
@@ -78,7 +78,7 @@ fn endings() -> String {
     dotted.join(", ")
 }
 
-/// Whether [`write`] knows the ending of `path`.
+/// Whether [`write()`] knows the ending of `path`.
 pub fn can_write(path: &Path) -> bool {
     ending(path).is_some_and(|ending| WRITTEN_ENDINGS.contains(&ending.as_str()))
 }
