@@ -72,6 +72,9 @@ struct Attribute {
 
 /// Reads the points.
 pub(super) fn read(bytes: &[u8], _frame: usize) -> Result<Parsed, ParseError> {
+    if !detect(bytes) {
+        return Err(ParseError::new(Place::Byte(0), "expected \"BgeoV\""));
+    }
     let mut cursor = Cursor {
         bytes,
         at: MAGIC.len(),
@@ -271,6 +274,7 @@ mod tests {
             file[at..at + 4].copy_from_slice(&number.to_be_bytes());
             read(&file, 0).unwrap_err()
         };
+        assert!(read(b"Bge", 0).is_err());
         assert!(with(5, 4).problem.contains("version 4"));
         assert!(with(9, -1).problem.contains("negative number of points"));
         assert!(with(9, i32::MAX).problem.contains("promises 2147483647"));

@@ -81,6 +81,12 @@ pub(super) fn read(bytes: &[u8], _frame: usize) -> Result<Parsed, ParseError> {
     if !next(&mut record)? {
         return Err(ParseError::new(Place::Whole, "the table is empty"));
     }
+    if record.len() < 3 {
+        return Err(ParseError::new(
+            Place::Line(record.position().map_or(1, ::csv::Position::line)),
+            format!("{} fields, a position needs three", record.len()),
+        ));
+    }
     let headless = record.iter().all(|field| float::<f64>(field).is_some());
     let names: Vec<String> = if headless {
         let extra = (4..=record.len()).map(|column| format!("column_{column}"));
@@ -218,6 +224,7 @@ mod tests {
     fn errors_say_what_is_missing_and_where() {
         for (text, line, problem) in [
             ("a,b,c\n1,2,3\n", 1, "\"a\", \"b\", \"c\""),
+            ("2\r;2;\n1;2;3\n", 1, "1 fields, a position needs three"),
             ("x,y,z\n1,2\n", 2, "2 fields, the first line has 3"),
             ("x,y,z\n1,2,3\n1,two,3\n", 3, "\"two\""),
         ] {
