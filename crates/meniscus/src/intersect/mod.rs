@@ -80,6 +80,9 @@ pub struct Crossing {
     pub entering: bool,
 }
 
+/// How far behind a crossing, in spacings, the next search begins: as close as the field allows.
+const CROSSING_STEPS: [f64; 3] = [1e-6, 1e-5, 1e-4];
+
 impl Blobs {
     /// First crossing of an object-space ray, with its gradient.
     pub fn closest(&self, ray: &Ray, scratch: &mut Scratch) -> Option<BlobHit> {
@@ -111,18 +114,36 @@ impl Blobs {
             }
             return;
         }
+        let per_spacing = f64::from(self.field.spacing) / ray.direction.length();
+        let side_at = |t: f64| self.field.side(ray.at(t) - self.field.origin);
         let mut rest = *ray;
         while let Some(hit) = self.closest(&rest, scratch) {
-            crossings.push(Crossing {
-                t: hit.t,
-                entering: hit.entering,
-            });
-            rest.t_min = hit.t;
-            rest.side = if hit.entering {
+            let after = if hit.entering {
                 Side::Inside
             } else {
                 Side::Outside
             };
+            let ulp = hit.t.abs().max(f64::MIN_POSITIVE) * f64::EPSILON;
+            let behind = CROSSING_STEPS.map(|step| hit.t + (step * per_spacing).max(8.0 * ulp));
+            // Within the accuracy of t the field must show the new side, else the ray only touched.
+            let last = behind[CROSSING_STEPS.len() - 1];
+            let was_there =
+                last - rest.t_min <= 2.0 * (last - hit.t) && side_at(rest.t_min) == after;
+            let seen = behind
+                .into_iter()
+                .find(|&t| !was_there && side_at(t) == after);
+            if seen.is_some() {
+                crossings.push(Crossing {
+                    t: hit.t,
+                    entering: hit.entering,
+                });
+            }
+            // The field decides again, which keeps the list right where f32 sees only noise.
+            rest.side = Side::Unknown;
+            rest.t_min = seen.unwrap_or(last);
+            if !(rest.t_min > hit.t && rest.t_min <= ray.t_max) {
+                break;
+            }
         }
     }
 }

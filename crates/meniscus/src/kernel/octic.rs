@@ -37,6 +37,6 @@ impl KernelShape for Octic {
     }
 
     fn g_at(value: f64) -> f64 {
-        value.powf(1.0 / 4.0)
+        value.sqrt().sqrt()
     }
 }

@@ -36,6 +36,6 @@ impl KernelShape for Quartic {
     }
 
     fn g_at(value: f64) -> f64 {
-        value.powf(1.0 / 2.0)
+        value.sqrt()
     }
 }

@@ -36,6 +36,6 @@ impl KernelShape for Sextic {
     }
 
     fn g_at(value: f64) -> f64 {
-        value.powf(1.0 / 3.0)
+        value.cbrt()
     }
 }

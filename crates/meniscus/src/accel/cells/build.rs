@@ -30,7 +30,7 @@ const STALLED_SPLITS: u32 = 3;
 /// Cells below this side, in supports, try bounds of second order.
 const CLOSE_SIDE: f32 = 2.0;
 
-/// Deeper than this no midpoint of f32 numbers divides anything.
+/// No tree is deeper: the traversal's stack relies on it.
 const MAX_DEPTH: u32 = 96;
 
 /// Binary tree of the cells that may contain surface.
@@ -131,6 +131,8 @@ fn is_leaf<P: Primitive>(
     (list.count <= rule.few_blobs && side < rule.few_side * support)
         || side < rule.smallest_side * support
         || stalled >= STALLED_SPLITS
+        // Smaller cells would drown in their own rounding margin.
+        || side < 32.0 * context.pad
         || depth >= MAX_DEPTH
 }
 
@@ -154,23 +156,23 @@ pub(super) fn build_parallel<S: Simd, K: KernelShape, P: Primitive>(
         return Subtree { root, parts };
     }
     let close = is_close::<P>(list, cell);
-    let build_half = |half: Aabb| {
+    let filtered = |half: Aabb| {
         let mut child = BlobList::default();
         let bounds = filter::<S, K, P>(simd, list, half.padded(context.pad), close, &mut child);
+        (half, child, bounds)
+    };
+    let [low, high] = halves(cell);
+    let (low, high) = rayon::join(|| filtered(low), || filtered(high));
+    let stalled = next_stalled(stalled, list, [&low.1, &high.1]);
+    let build_half = |(half, child, bounds): (Aabb, BlobList, FieldBounds)| {
         if child.count == 0 || context.settled(bounds) {
             return Subtree {
                 root: None,
                 parts: Vec::new(),
             };
         }
-        let stalled = if child.count == list.count {
-            stalled + 1
-        } else {
-            0
-        };
         build_parallel::<S, K, P>(simd, context, half, &child, stalled, depth + 1)
     };
-    let [low, high] = halves(cell);
     let (mut low, high) = rayon::join(|| build_half(low), || build_half(high));
     let low_parts = low.parts.len() as u32;
     low.parts.extend(high.parts);
@@ -181,6 +183,15 @@ pub(super) fn build_parallel<S: Simd, K: KernelShape, P: Primitive>(
     Subtree {
         root: joined(low.root, high_root),
         parts: low.parts,
+    }
+}
+
+/// Splits in a row that shortened neither half's list.
+fn next_stalled(stalled: u32, list: &BlobList, halves: [&BlobList; 2]) -> u32 {
+    if halves.iter().all(|half| half.count == list.count) {
+        stalled + 1
+    } else {
+        0
     }
 }
 
@@ -246,22 +257,20 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
                 });
         }
         let close = is_close::<P>(list, cell);
-        let mut child = self.buffers.pop().unwrap_or_default();
+        let parts = halves(cell);
+        let mut lists = [(); 2].map(|()| self.buffers.pop().unwrap_or_default());
+        let bounds = [0, 1].map(|i| {
+            let place = parts[i].padded(self.context.pad);
+            filter::<S, K, P>(simd, list, place, close, &mut lists[i])
+        });
+        let stalled = next_stalled(stalled, list, [&lists[0], &lists[1]]);
         let mut children = [None, None];
-        for (half, slot) in halves(cell).into_iter().zip(&mut children) {
-            let context = self.context;
-            let bounds = filter::<S, K, P>(simd, list, half.padded(context.pad), close, &mut child);
-            if child.count == 0 || context.settled(bounds) {
-                continue;
+        for i in 0..2 {
+            if lists[i].count > 0 && !self.context.settled(bounds[i]) {
+                children[i] = self.build(simd, parts[i], &lists[i], stalled, depth + 1);
             }
-            let stalled = if child.count == list.count {
-                stalled + 1
-            } else {
-                0
-            };
-            *slot = self.build(simd, half, &child, stalled, depth + 1);
         }
-        self.buffers.push(child);
+        self.buffers.extend(lists);
         let [low, high] = children;
         joined(low, high)
     }

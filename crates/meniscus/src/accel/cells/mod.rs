@@ -101,10 +101,10 @@ fn build<S: Simd, K: KernelShape, P: Primitive>(
     rule: BuildRule,
 ) -> Cells {
     let cell = field.bounds();
-    let largest_coordinate = cell.min.abs().max(cell.max.abs()).max_element();
     let context = Context {
         threshold: field.threshold,
-        pad: 8e-7 * largest_coordinate,
+        // The slab test's rounding grows with the distance travelled within the box.
+        pad: 1e-6 * cell.size().length().max(cell.center().abs().max_element()),
         rule,
     };
     let list = all_blobs::<P>(field);

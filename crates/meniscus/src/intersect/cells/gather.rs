@@ -45,6 +45,23 @@ impl Active {
     }
 }
 
+impl Active {
+    /// The part of [0, length] from the first support's entry to the last one's exit, for at most
+    /// one chunk of blobs.
+    #[inline(always)]
+    pub(super) fn span<S: Simd>(&self, simd: S, length: f32) -> (f32, f32) {
+        let [c, beta, g0, _] = self.lanes(simd, 0);
+        let zero = f32x16::splat(simd, 0.0);
+        let present = g0.simd_gt(zero);
+        let one = f32x16::splat(simd, 1.0);
+        let reach = (g0.max(zero) / present.select(beta, one)).sqrt() * 1.000_001;
+        let enter = present.select(c - reach, f32x16::splat(simd, f32::MAX));
+        let leave = present.select(c + reach, f32x16::splat(simd, f32::MIN));
+        let from = enter.reduce_min().max(0.0);
+        (from, leave.reduce_max().min(length).max(from))
+    }
+}
+
 /// Column `k` of a chunk.
 #[inline(always)]
 pub(super) fn lanes<S: Simd>(simd: S, chunk: &[Block], k: usize) -> f32x16<S> {

@@ -51,6 +51,8 @@ struct LocalRay {
     /// 1/|direction| of the caller's ray.
     per_unit: f64,
     inside: bool,
+    /// Whether the field, not the caller, says that the ray starts on this side.
+    side_is_proven: bool,
 }
 
 /// First crossing of a traceable object-space ray.
@@ -141,6 +143,7 @@ fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
         starts_at_t_min,
         per_unit,
         inside,
+        side_is_proven: ray.side == Side::Unknown || (!starts_at_t_min && !inside),
     })
 }
 
@@ -167,8 +170,8 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     };
     // A leaf entered this close to t_min may hold the start although rounding says otherwise.
     let start_margin = 4e-6 * cells.bounds.map_or(0.0, |b| b.size().max_element());
-    // Whether samples have shown the ray on the side that it is said to start on.
-    let mut on_stated_side = !ray.starts_at_t_min;
+    // Whether the ray is known to have been on the side that it is said to start on.
+    let mut on_stated_side = ray.side_is_proven && !ray.starts_at_t_min;
     let mut first_leaf = true;
     let mut found = None;
     let nodes = simd.vectorize(
@@ -182,8 +185,10 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                 #[inline(always)]
                 |block, near, far| {
                     counters.leaves += 1;
-                    if first_leaf && near > start_margin {
-                        on_stated_side = true;
+                    if first_leaf && near > start_margin && !on_stated_side {
+                        // The ray starts in a dropped cell, all of which lies on one side.
+                        on_stated_side = ray.side_is_proven
+                            || (blobs.field.side(ray.origin) == Side::Inside) == ray.inside;
                     }
                     first_leaf = false;
                     let header = LeafHeader::from_block(&cells.blocks[block as usize]);
@@ -204,25 +209,44 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                         on_stated_side = true;
                         return false;
                     }
-                    let entry = if on_stated_side {
+                    let away_from_start = near > start_margin || !ray.starts_at_t_min;
+                    let mut entry = if ray.side_is_proven || (on_stated_side && away_from_start) {
                         Entry::Confirmed
+                    } else if away_from_start {
+                        Entry::Returning
                     } else {
                         Entry::Unconfirmed
                     };
-                    match solver.first_crossing::<S, K>(simd, active, Segment { length, entry }) {
-                        Verdict::Crossing(s) => {
-                            found = Some(Found {
-                                t: f64::from(near) + f64::from(s),
-                                block,
-                                entering: !solver.inside,
-                            });
-                            true
-                        }
-                        Verdict::StaysOnSide => {
-                            on_stated_side = true;
-                            false
-                        }
-                        Verdict::NeverOnSide => false,
+                    loop {
+                        let segment = Segment { length, entry };
+                        let crossing = match solver.first_crossing::<S, K>(simd, active, segment) {
+                            Verdict::Crossing(s) => s,
+                            Verdict::Unclear => {
+                                let is_inside = |s: f64| {
+                                    let at = ray.origin + ray.direction * s;
+                                    blobs.field.side(at) == Side::Inside
+                                };
+                                let just_behind = f64::from(solver.tolerance);
+                                if is_inside(0.0) != ray.inside
+                                    || is_inside(just_behind) == ray.inside
+                                {
+                                    entry = Entry::Returning;
+                                    continue;
+                                }
+                                0.0
+                            }
+                            Verdict::StaysOnSide => {
+                                on_stated_side = true;
+                                return false;
+                            }
+                            Verdict::NeverOnSide => return false,
+                        };
+                        found = Some(Found {
+                            t: f64::from(near) + f64::from(crossing),
+                            block,
+                            entering: !solver.inside,
+                        });
+                        return true;
                     }
                 },
             )

@@ -30,6 +30,8 @@ pub(super) enum Entry {
     Confirmed,
     /// At the ray's own start, where rounding may show the other side.
     Unconfirmed,
+    /// The same, and float64 has shown the other side: the ray has yet to return.
+    Returning,
 }
 
 /// What to search.
@@ -46,6 +48,9 @@ pub(super) enum Verdict {
     Crossing(f32),
     /// No crossing; the ray was seen on its side.
     StaysOnSide,
+    /// The samples begin on the other side and stay there: whether the ray crosses at its very
+    /// start or was said to be where it is not takes float64 to tell.
+    Unclear,
     /// No crossing: the whole segment lies on the other side (by rounding, or a wrong statement).
     NeverOnSide,
 }
@@ -60,22 +65,16 @@ pub(super) struct Solver {
     pub(super) tolerance: f32,
 }
 
-/// φ at sixteen equidistant points.
-struct Samples<S: Simd> {
-    phi: f32x16<S>,
-    step: f32,
-}
-
 impl Solver {
+    /// φ at the sixteen points from + i·step.
     #[inline(always)]
     fn sample<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
         from: f32,
-        to: f32,
-    ) -> Samples<S> {
-        let step = (to - from) * (1.0 / 15.0);
+        step: f32,
+    ) -> f32x16<S> {
         let index = f32x16::from_slice(simd, &NODE_INDEX);
         let at = Number::mul_add(index, f32x16::splat(simd, step), f32x16::splat(simd, from));
         let zero = f32x16::splat(simd, 0.0);
@@ -90,13 +89,10 @@ impl Solver {
             sum = Number::mul_add(K::of_g(g), f32x16::splat(simd, weight[i]), sum);
         }
         let above = sum - self.threshold;
-        Samples {
-            phi: if self.inside { -above } else { above },
-            step,
-        }
+        if self.inside { -above } else { above }
     }
 
-    /// Bounds (−φ″, +φ″) over [from, to], from the blobs whose support meets it, and Σ|w|k there.
+    /// Bounds (−φ″, +φ″) over [from, to], from the blobs whose support meets it.
     #[inline(always)]
     fn bend<S: Simd, K: KernelShape>(
         &self,
@@ -132,42 +128,63 @@ impl Solver {
         active: &Active,
         segment: Segment,
     ) -> Verdict {
-        let mut pending = [(0.0_f32, 0.0_f32); PENDING];
-        pending[0] = (0.0, segment.length);
+        // While `returning` the search is for the side that the ray is said to start on: φ is
+        // negated, and what is found is where the search proper begins.
+        let mut returning = segment.entry != Entry::Confirmed;
+        let mut start = (0.0, segment.length);
+        if !self.inside && !returning && active.count <= LANES {
+            if active.count == 1 {
+                return self.lone_blob::<K>(active, segment.length);
+            }
+            // Outside all supports the field is 0.
+            start = active.span(simd, segment.length);
+        }
+        let mut pending = [start; PENDING];
         let mut depth = 1;
-        let mut confirmed = segment.entry == Entry::Confirmed;
-        let mut first = true;
-        let scale: f32 = self.threshold.max(1.0);
+        let mut at_start = true;
+        let scale = self.threshold.max(1.0);
+        let zero = f32x16::splat(simd, 0.0);
         while depth > 0 {
             depth -= 1;
             let (from, to) = pending[depth];
-            let Samples { phi, step } = self.sample::<S, K>(simd, active, from, to);
-            let zero = f32x16::splat(simd, 0.0);
-            let crossed = phi.simd_ge(zero).to_bitmask() as u32;
-            let mut search_from = 0;
-            if first && crossed & 1 != 0 && confirmed {
-                return Verdict::Crossing(0.0);
+            let step = (to - from) * (1.0 / 15.0);
+            let mut phi = self.sample::<S, K>(simd, active, from, step);
+            if returning {
+                phi = -phi;
             }
-            first = false;
-            if !confirmed {
-                let back = !crossed & 0xffff;
-                if back == 0 {
-                    continue;
+            if at_start {
+                at_start = false;
+                let beyond = phi.simd_ge(zero).to_bitmask() & 1 != 0;
+                if beyond && !returning {
+                    return Verdict::Crossing(from);
                 }
-                search_from = back.trailing_zeros();
-                confirmed = true;
+                if beyond {
+                    (phi, returning) = (-phi, false);
+                } else if returning
+                    && segment.entry == Entry::Unconfirmed
+                    && phi.simd_ge(zero).to_bitmask() & 2 == 0
+                {
+                    return Verdict::Unclear;
+                }
             }
-            let (fall, rise) = self.bend::<S, K>(simd, active, from, to);
+            let (mut fall, mut rise) = self.bend::<S, K>(simd, active, from, to);
+            if returning {
+                (fall, rise) = (rise, fall);
+            }
             let band = fall * step * step * 0.125;
             let candidates = phi.simd_ge(f32x16::splat(simd, -band)).to_bitmask() as u32;
-            // Nodes before the one that shows the stated side do not count.
-            let counted = 0xffff << search_from;
-            let (candidates, crossed) = (candidates & counted, crossed & counted);
             if candidates == 0 {
                 continue;
             }
+            // The first node is on the near side by construction, whatever rounding says.
+            let crossed = phi.simd_ge(zero).to_bitmask() as u32 & !1;
             let k = candidates.trailing_zeros();
-            let left = k.saturating_sub(1).max(search_from);
+            let left = k.saturating_sub(1);
+            let right = if crossed >> k & 1 == 1 {
+                k
+            } else {
+                (k + 1).min(15)
+            };
             let at = |node: u32| {
                 if node == 15 {
                     to
@@ -175,42 +192,68 @@ impl Solver {
                     from + step * node as f32
                 }
             };
-            let right = if crossed >> k & 1 == 1 {
-                k
-            } else {
-                (k + 1).min(15)
-            };
-            let phis: [f32; 16] = phi.to_array();
+            let (at_left, at_right) = (at(left), at(right));
+            let width = at_right - at_left;
             let sure = crossed >> right & 1 == 1;
             // No closer look can tell more than rounding allows.
             let fine = band <= NOISE * scale
-                || at(right) <= at(left)
+                || width <= 0.0
                 || step <= 1e-7 * segment.length
                 || depth + 2 > PENDING;
             if sure {
-                let (low, high) = (phis[left as usize & 15], phis[right as usize & 15]);
-                let width = at(right) - at(left);
-                let error = fall.max(rise) * width * width * 0.125;
-                if error * width <= self.tolerance * (high - low) || fine {
-                    let fraction = if high > low { -low / (high - low) } else { 0.0 };
-                    return Verdict::Crossing(at(left) + width * fraction.clamp(0.0, 1.0));
+                let phis: [f32; 16] = phi.to_array();
+                let low = phis[left as usize & 15].min(0.0);
+                let high = phis[right as usize & 15];
+                let bend = fall.max(rise);
+                if returning {
+                    // Steep enough to cross only once.
+                    if fine || high - low > 0.5 * bend * width * width {
+                        returning = false;
+                        pending[0] = (at_right, segment.length);
+                        depth = usize::from(at_right < segment.length);
+                        continue;
+                    }
+                } else if fine
+                    || bend * width * width * width <= 8.0 * self.tolerance * (high - low)
+                {
+                    let fraction = if high > low { low / (low - high) } else { 0.0 };
+                    return Verdict::Crossing(at_left + width * fraction.clamp(0.0, 1.0));
                 }
-                // The crossing lies in here: nothing behind it matters.
-                depth = 0;
-            } else if right < 15 {
-                pending[depth] = (at(right), to);
+            }
+            // Kept even where a crossing is sure: rounding may hide it from the closer look.
+            if right < 15 && at_right > from {
+                pending[depth] = (at_right, to);
                 depth += 1;
             }
             if fine && !sure {
                 continue;
             }
-            pending[depth] = (at(left), at(right));
+            pending[depth] = (at_left, at_right);
             depth += 1;
         }
-        if confirmed {
-            Verdict::StaysOnSide
-        } else {
+        if returning {
             Verdict::NeverOnSide
+        } else {
+            Verdict::StaysOnSide
         }
+    }
+
+    /// The first crossing of a ray from outside with the only blob that it meets, in closed form.
+    #[inline(always)]
+    fn lone_blob<K: KernelShape>(&self, active: &Active, length: f32) -> Verdict {
+        let level = self.threshold / active.weight[0];
+        if level <= 0.0 || level >= 1.0 {
+            return Verdict::StaysOnSide;
+        }
+        let square = (active.g0[0] - K::g_at(f64::from(level)) as f32) / active.beta[0];
+        if square < 0.0 {
+            return Verdict::StaysOnSide;
+        }
+        let half = square.sqrt();
+        let (enter, leave) = (active.c[0] - half, active.c[0] + half);
+        if enter > length || leave < 0.0 {
+            return Verdict::StaysOnSide;
+        }
+        Verdict::Crossing(enter.max(0.0))
     }
 }
