@@ -115,7 +115,9 @@ impl Blobs {
             return;
         }
         let per_spacing = f64::from(self.field.spacing) / ray.direction.length();
-        let side_at = |t: f64| self.field.side(ray.at(t) - self.field.origin);
+        let local_origin = ray.origin - self.field.origin;
+        let side_at = |t: f64| self.field.side(local_origin + ray.direction * t);
+        let first = crossings.len();
         let mut rest = *ray;
         while let Some(hit) = self.closest(&rest, scratch) {
             let after = if hit.entering {
@@ -132,14 +134,20 @@ impl Blobs {
             let seen = behind
                 .into_iter()
                 .find(|&t| !was_there && side_at(t) == after);
-            if seen.is_some() {
+            let alternates = crossings[first..]
+                .last()
+                .is_none_or(|last| last.entering != hit.entering);
+            if seen.is_some() && alternates {
                 crossings.push(Crossing {
                     t: hit.t,
                     entering: hit.entering,
                 });
             }
-            // The field decides again, which keeps the list right where f32 sees only noise.
-            rest.side = Side::Unknown;
+            // The field decides again, which keeps the list right where f32 sees only noise; what
+            // the caller states holds until the first crossing.
+            if crossings.len() > first {
+                rest.side = Side::Unknown;
+            }
             rest.t_min = seen.unwrap_or(last);
             if !(rest.t_min > hit.t && rest.t_min <= ray.t_max) {
                 break;
