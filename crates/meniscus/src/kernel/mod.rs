@@ -129,6 +129,4 @@ impl Kernel {
 }
 
 #[cfg(test)]
-mod derivative_tests;
-#[cfg(test)]
 mod tests;

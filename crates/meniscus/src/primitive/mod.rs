@@ -110,3 +110,6 @@ impl Shapes {
         }
     }
 }
+
+#[cfg(test)]
+mod derivative_tests;

@@ -15,8 +15,8 @@ pub struct Sky {
     horizon: Vec3,
     zenith: Vec3,
     nadir: Vec3,
-    /// Radiance of a white diffuse surface as a polynomial in h: three coefficients.
-    diffuse: [Vec3; 3],
+    /// Radiance of a white diffuse surface as a polynomial in h: coefficients of 1, h, h² and h⁴.
+    diffuse: [Vec3; 4],
 }
 
 impl Sky {
@@ -29,7 +29,7 @@ impl Sky {
             horizon: mean * horizon,
             zenith: mean * ZENITH,
             nadir: mean * NADIR,
-            diffuse: [Vec3::ZERO; 3],
+            diffuse: [Vec3::ZERO; 4],
         };
         sky.diffuse = sky.diffuse_polynomial();
         sky
@@ -45,25 +45,37 @@ impl Sky {
     /// Radiance of a white diffuse surface (irradiance over π) whose normal has height `h`, if
     /// nothing blocks the sky.
     pub fn diffuse(&self, h: f32) -> Vec3 {
-        let [a, b, c] = self.diffuse;
-        (a + (b + c * h) * h).max(Vec3::ZERO)
+        let [a, b, c, d] = self.diffuse;
+        (a + (b + (c + d * (h * h)) * h) * h).max(Vec3::ZERO)
     }
 
-    /// The first three zonal harmonics of the sky, convolved with the cosine (Ramamoorthi and
+    /// The zonal harmonics 0, 1, 2 and 4 of the sky, convolved with the cosine (Ramamoorthi and
     /// Hanrahan, "An Efficient Representation for Irradiance Environment Maps", 2001, eq. 8): factors
-    /// 1, 2/3 and 1/4, next term zero; as a polynomial in h.
-    fn diffuse_polynomial(&self) -> [Vec3; 3] {
+    /// 1, 2/3, 1/4 and −1/24, all other odd ones zero; as a polynomial in h.
+    fn diffuse_polynomial(&self) -> [Vec3; 4] {
         const STEPS: u32 = 2000;
-        let mut moments = [Vec3::ZERO; 3];
+        let mut moments = [Vec3::ZERO; 4];
         for step in 0..STEPS {
             let h = (step as f32 + 0.5) * 2.0 / STEPS as f32 - 1.0;
             let light = self.radiance(h) * (2.0 / STEPS as f32);
             moments[0] += light * 0.5;
             moments[1] += light * (1.5 * h);
-            moments[2] += light * (2.5 * (1.5 * h * h - 0.5));
+            let square = h * h;
+            moments[2] += light * (2.5 * (1.5 * square - 0.5));
+            moments[3] += light * (4.5 / 8.0 * ((35.0 * square - 30.0) * square + 3.0));
         }
-        let [l0, l1, l2] = [moments[0], moments[1] * (2.0 / 3.0), moments[2] * 0.25];
-        [l0 - l2 * 0.5, l1, l2 * 1.5]
+        let [l0, l1, l2, l4] = [
+            moments[0],
+            moments[1] * (2.0 / 3.0),
+            moments[2] * 0.25,
+            moments[3] * (-1.0 / 24.0 / 8.0),
+        ];
+        [
+            l0 - l2 * 0.5 + l4 * 3.0,
+            l1,
+            l2 * 1.5 - l4 * 30.0,
+            l4 * 35.0,
+        ]
     }
 }
 

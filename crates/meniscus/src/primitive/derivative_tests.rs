@@ -1,9 +1,10 @@
 //! Derivatives against dual numbers; curvature bounds against dense samples along lines.
 
-use super::{Kernel, KernelShape};
+use super::Ellipsoid;
+use crate::kernel::{Kernel, KernelShape};
 use crate::math::dual::Dual;
 use crate::math::number::F64;
-use crate::primitive::Ellipsoid;
+use crate::with_kernel;
 use glam::{DMat3, DQuat, DVec3};
 
 #[test]
