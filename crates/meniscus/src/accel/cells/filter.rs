@@ -15,7 +15,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, u32x16};
 use glam::Vec3;
 
-/// Most columns that a blob can have: centre, shape, weight.
+/// The shape's columns come after x, y and z.
 const SHAPE_AT: usize = 3;
 
 /// A list of blobs as columns: x, y, z, shape…, weight, and their indices. Every column is padded to
