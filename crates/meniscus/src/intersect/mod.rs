@@ -162,13 +162,19 @@ impl Frame {
         let mut closest: Option<Hit> = None;
         let mut rest = *ray;
         for (surface, instance) in self.instances.iter().enumerate() {
-            let object_ray = transformed(&rest, &instance.object_from_world);
+            let moved;
+            let object_ray = if instance.object_from_world == glam::DAffine3::IDENTITY {
+                &rest
+            } else {
+                moved = transformed(&rest, &instance.object_from_world);
+                &moved
+            };
             let found = match &self.geometries[instance.geometry as usize] {
                 Geometry::Blobs(blobs) => blobs
-                    .closest(&object_ray, scratch)
+                    .closest(object_ray, scratch)
                     .map(|hit| (hit.t, hit.outward, Some(hit.strongest), hit.entering)),
                 Geometry::Plane(plane) => plane
-                    .closest(&object_ray)
+                    .closest(object_ray)
                     .map(|(t, entering)| (t, plane.normal, None, entering)),
             };
             if let Some((t, outward, blob, entering)) = found {

@@ -144,25 +144,25 @@ impl Bench<'_> {
     ) -> Outcome<(PassFigures, Vec<Option<A>>, Counters)> {
         let mut times = Vec::new();
         let mut answers: Vec<Option<A>> = Vec::new();
+        answers.resize_with(items.len(), || None);
         let mut counters = Counters::default();
         for repeat in 0..self.repeats {
             interrupt::check()?;
             let start = Instant::now();
-            let chunks: Vec<(Vec<Option<A>>, Counters)> = items
+            counters = items
                 .par_chunks(CHUNK)
-                .map(|chunk| {
-                    let mut scratch = Scratch::default();
-                    let answers = chunk.iter().map(|item| trace(&ray_of(item), &mut scratch));
-                    (answers.collect(), scratch.counters)
+                .zip(answers.par_chunks_mut(CHUNK))
+                .map_init(Scratch::default, |scratch, (items, answers)| {
+                    for (item, answer) in items.iter().zip(answers) {
+                        *answer = trace(&ray_of(item), scratch);
+                    }
+                    std::mem::take(&mut scratch.counters)
                 })
-                .collect();
+                .reduce(Counters::default, |mut sum, part| {
+                    sum += part;
+                    sum
+                });
             times.push(start.elapsed().as_secs_f64());
-            counters = Counters::default();
-            answers = Vec::with_capacity(items.len());
-            for (chunk, work) in chunks {
-                counters += work;
-                answers.extend(chunk);
-            }
             let done = pass * u64::from(self.repeats) + u64::from(repeat) + 1;
             self.reporter.advance(done, 4 * u64::from(self.repeats));
         }

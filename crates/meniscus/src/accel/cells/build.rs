@@ -31,13 +31,17 @@ const STALLED_SPLITS: u32 = 3;
 const CLOSE_SIDE: f32 = 2.0;
 
 /// No tree is deeper: the traversal's stack relies on it.
-const MAX_DEPTH: u32 = 96;
+pub(super) const MAX_DEPTH: u32 = 96;
 
 /// Binary tree of the cells that may contain surface.
 #[derive(Debug)]
 pub(super) enum BinaryNode {
-    /// Two subtrees and the box around them.
-    Split(Aabb, Box<[BinaryNode; 2]>),
+    /// Two subtrees, the lower first, the axis that parts them and the box around them.
+    Split {
+        bounds: Aabb,
+        axis: usize,
+        halves: Box<[BinaryNode; 2]>,
+    },
     /// A leaf: its box, which part holds it, and its header block there.
     Leaf { bounds: Aabb, part: u32, block: u32 },
 }
@@ -45,7 +49,7 @@ pub(super) enum BinaryNode {
 impl BinaryNode {
     pub(super) fn bounds(&self) -> Aabb {
         match self {
-            Self::Split(bounds, _) | Self::Leaf { bounds, .. } => *bounds,
+            Self::Split { bounds, .. } | Self::Leaf { bounds, .. } => *bounds,
         }
     }
 }
@@ -102,7 +106,8 @@ fn is_close<P: Primitive>(list: &BlobList, cell: Aabb) -> bool {
     cell.size().max_element() < CLOSE_SIDE * smallest_support::<P>(list)
 }
 
-fn halves(cell: Aabb) -> [Aabb; 2] {
+/// The longest axis of `cell` and the halves across it, the lower first.
+fn halves(cell: Aabb) -> (usize, [Aabb; 2]) {
     let size = cell.size();
     let axis = if size.x >= size.y && size.x >= size.z {
         0
@@ -115,7 +120,7 @@ fn halves(cell: Aabb) -> [Aabb; 2] {
     let mut halves = [cell; 2];
     halves[0].max[axis] = middle;
     halves[1].min[axis] = middle;
-    halves
+    (axis, halves)
 }
 
 fn is_leaf<P: Primitive>(
@@ -161,7 +166,7 @@ pub(super) fn build_parallel<S: Simd, K: KernelShape, P: Primitive>(
         let bounds = filter::<S, K, P>(simd, list, half.padded(context.pad), close, &mut child);
         (half, child, bounds)
     };
-    let [low, high] = halves(cell);
+    let (axis, [low, high]) = halves(cell);
     let (low, high) = rayon::join(|| filtered(low), || filtered(high));
     let stalled = next_stalled(stalled, list, [&low.1, &high.1]);
     let build_half = |(half, child, bounds): (Aabb, BlobList, FieldBounds)| {
@@ -181,7 +186,7 @@ pub(super) fn build_parallel<S: Simd, K: KernelShape, P: Primitive>(
         root
     });
     Subtree {
-        root: joined(low.root, high_root),
+        root: joined(axis, low.root, high_root),
         parts: low.parts,
     }
 }
@@ -200,8 +205,8 @@ fn renumber_parts(node: &mut BinaryNode, by: u32) {
         return;
     }
     match node {
-        BinaryNode::Split(_, children) => {
-            for child in children.iter_mut() {
+        BinaryNode::Split { halves, .. } => {
+            for child in halves.iter_mut() {
                 renumber_parts(child, by);
             }
         }
@@ -209,12 +214,13 @@ fn renumber_parts(node: &mut BinaryNode, by: u32) {
     }
 }
 
-fn joined(low: Option<BinaryNode>, high: Option<BinaryNode>) -> Option<BinaryNode> {
+fn joined(axis: usize, low: Option<BinaryNode>, high: Option<BinaryNode>) -> Option<BinaryNode> {
     match (low, high) {
-        (Some(low), Some(high)) => Some(BinaryNode::Split(
-            low.bounds().union(high.bounds()),
-            Box::new([low, high]),
-        )),
+        (Some(low), Some(high)) => Some(BinaryNode::Split {
+            bounds: low.bounds().union(high.bounds()),
+            axis,
+            halves: Box::new([low, high]),
+        }),
         (one, other) => one.or(other),
     }
 }
@@ -257,7 +263,7 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
                 });
         }
         let close = is_close::<P>(list, cell);
-        let parts = halves(cell);
+        let (axis, parts) = halves(cell);
         let mut lists = [(); 2].map(|()| self.buffers.pop().unwrap_or_default());
         let bounds = [0, 1].map(|i| {
             let place = parts[i].padded(self.context.pad);
@@ -272,6 +278,6 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
         }
         self.buffers.extend(lists);
         let [low, high] = children;
-        joined(low, high)
+        joined(axis, low, high)
     }
 }

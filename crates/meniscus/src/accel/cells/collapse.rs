@@ -9,7 +9,7 @@ use crate::math::aabb::Aabb;
 pub(super) fn collapse(root: &BinaryNode, part_offsets: &[u32], pad: f32) -> Vec<Node> {
     let mut nodes = vec![Node::EMPTY];
     match root {
-        BinaryNode::Split(..) => fill(root, 0, &mut nodes, part_offsets, pad),
+        BinaryNode::Split { .. } => fill(root, 0, &mut nodes, part_offsets, pad),
         BinaryNode::Leaf { .. } => place(root, 0, 0, &mut nodes, part_offsets, pad),
     }
     nodes
@@ -22,16 +22,35 @@ fn fill(split: &BinaryNode, index: usize, nodes: &mut Vec<Node>, offsets: &[u32]
         let widest = children
             .iter()
             .enumerate()
-            .filter(|(_, child)| matches!(child, BinaryNode::Split(..)))
+            .filter(|(_, child)| matches!(child, BinaryNode::Split { .. }))
             .max_by(|(_, a), (_, b)| a.bounds().half_area().total_cmp(&b.bounds().half_area()))
             .map(|(slot, _)| slot);
         let Some(slot) = widest else { break };
-        if let BinaryNode::Split(_, pair) = children.swap_remove(slot) {
-            children.extend(pair.iter());
+        if let BinaryNode::Split { axis, halves, .. } = children[slot] {
+            let [low, high] = &**halves;
+            part_slot(&mut nodes[index].before, slot, children.len(), *axis);
+            children[slot] = low;
+            children.push(high);
         }
     }
     for (slot, child) in children.into_iter().enumerate() {
         place(child, index, slot, nodes, offsets, pad);
+    }
+}
+
+/// Notes in `before` that the child at `slot` was parted across `axis`: its lower half stays there,
+/// its upper half is the new child `upper`.
+fn part_slot(before: &mut [[u8; 8]; 4], slot: usize, upper: usize, axis: usize) {
+    for (signs, before) in before.iter_mut().enumerate() {
+        for other in &mut before[..upper] {
+            *other |= (*other >> slot & 1) << upper;
+        }
+        before[upper] = before[slot];
+        if axis < 2 && signs >> axis & 1 == 1 {
+            before[slot] |= 1 << upper;
+        } else {
+            before[upper] |= 1 << slot;
+        }
     }
 }
 
@@ -45,7 +64,7 @@ fn place(
 ) {
     let reference = match child {
         BinaryNode::Leaf { part, block, .. } => LEAF | (offsets[*part as usize] + block),
-        BinaryNode::Split(..) => {
+        BinaryNode::Split { .. } => {
             let index = nodes.len();
             nodes.push(Node::EMPTY);
             fill(child, index, nodes, offsets, pad);

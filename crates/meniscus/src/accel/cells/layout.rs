@@ -23,7 +23,7 @@ impl Block {
 /// Marks a child reference as a leaf; the rest is the index of its header block.
 pub const LEAF: u32 = 1 << 31;
 
-/// Eight children: their boxes axis by axis, and where they are.
+/// Eight children: their boxes axis by axis, where they are, and in which order rays meet them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub struct Node {
@@ -32,6 +32,10 @@ pub struct Node {
     pub bounds: [[f32; 8]; 6],
     /// Index of a node, or [`LEAF`] | index of a leaf's header block.
     pub children: [u32; 8],
+    /// The children are parted by planes, so the signs of a ray's direction alone say which of two
+    /// comes first. Bit j of `before[o][i]`: child j comes before child i for directions with
+    /// positive z, negative x if o & 1, negative y if o & 2; the reverse for the opposite direction.
+    pub before: [[u8; 8]; 4],
 }
 
 impl Node {
@@ -46,6 +50,7 @@ impl Node {
             [f32::NEG_INFINITY; 8],
         ],
         children: [0; 8],
+        before: [[0; 8]; 4],
     };
 }
 

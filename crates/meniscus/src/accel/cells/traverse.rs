@@ -6,8 +6,9 @@ use crate::math::simd::{splat3, xyz};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-/// Deep enough for any tree: each level leaves at most seven siblings behind.
-const STACK: usize = 8 * 100;
+/// Deep enough for any tree of [`super::build::MAX_DEPTH`] levels, each of which leaves at most
+/// seven siblings behind; a power of two, so that an index is checked by a mask.
+const STACK: usize = 1024;
 
 /// A ray prepared for slab tests, in local f32 coordinates with a unit direction.
 #[derive(Debug, Clone, Copy)]
@@ -97,8 +98,12 @@ pub fn visit_leaves<S: Simd>(
             axis + 3
         }
     });
+    // Which row of `before` holds, and whether it counts from the far end.
+    let signs = [0, 1, 2].map(|axis| usize::from(ray.inverse[axis] < 0.0));
+    let reversed = signs[2] == 1;
+    let row = (signs[0] ^ signs[2]) | (signs[1] ^ signs[2]) << 1;
     let (start, end) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, ray.t_max));
-    let visits = &mut stack.visits[..];
+    let visits = &mut stack.visits;
     let mut depth = 0;
     let mut nodes_visited = 0;
     let mut current = Visit {
@@ -130,45 +135,39 @@ pub fn visit_leaves<S: Simd>(
             );
             let near = near[0].max(near[1]).max(near[2].max(start));
             let far = far[0].min(far[1]).min(far[2].min(end));
-            let mut pierced = near.simd_le(far).to_bitmask() as u32;
-            if pierced != 0 {
-                let near: [f32; 8] = near.to_array();
-                let far: [f32; 8] = far.to_array();
-                let first = pierced.trailing_zeros() as usize & 7;
-                pierced &= pierced - 1;
+            let pierced = near.simd_le(far).to_bitmask() as u32;
+            let near: [f32; 8] = near.to_array();
+            let far: [f32; 8] = far.to_array();
+            if pierced != 0 && pierced & (pierced - 1) == 0 {
+                let slot = pierced.trailing_zeros() as usize & 7;
                 current = Visit {
-                    reference: node.children[first],
-                    near: near[first],
-                    far: far[first],
+                    reference: node.children[slot],
+                    near: near[slot],
+                    far: far[slot],
                 };
-                // Insertion sort onto the stack, farthest deepest; `current` stays the nearest.
-                let base = depth;
-                while pierced != 0 {
-                    let slot = pierced.trailing_zeros() as usize & 7;
-                    pierced &= pierced - 1;
-                    let mut other = Visit {
-                        reference: node.children[slot],
-                        near: near[slot],
-                        far: far[slot],
-                    };
-                    if other.near < current.near {
-                        std::mem::swap(&mut other, &mut current);
-                    }
-                    let mut at = depth;
-                    while at > base && visits[at - 1].near < other.near {
-                        visits[at] = visits[at - 1];
-                        at -= 1;
-                    }
-                    visits[at] = other;
-                    depth += 1;
-                }
                 continue;
             }
+            let count = pierced.count_ones() as usize;
+            let before = &node.before[row];
+            let mut rest = pierced;
+            while rest != 0 {
+                let slot = rest.trailing_zeros() as usize & 7;
+                rest &= rest - 1;
+                let rank = (pierced & u32::from(before[slot])).count_ones() as usize;
+                // The nearest goes on top.
+                let at = depth + if reversed { rank } else { count - 1 - rank };
+                visits[at % STACK] = Visit {
+                    reference: node.children[slot],
+                    near: near[slot],
+                    far: far[slot],
+                };
+            }
+            depth += count;
         }
         if depth == 0 {
             return nodes_visited;
         }
         depth -= 1;
-        current = visits[depth];
+        current = visits[depth % STACK];
     }
 }

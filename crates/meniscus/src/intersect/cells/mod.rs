@@ -17,7 +17,7 @@ use crate::{at_level, with_kernel};
 use fearless_simd::Simd;
 use gather::{Active, gather};
 use glam::DVec3;
-use solve::{Entry, Segment, Solver, Verdict};
+use solve::{Entry, Pending, Segment, Solver, Verdict};
 
 /// Accuracy of t that the solver aims at, in spacings.
 const T_TOLERANCE_SPACINGS: f32 = 2e-5;
@@ -27,6 +27,7 @@ const T_TOLERANCE_SPACINGS: f32 = 2e-5;
 pub struct CellsScratch {
     stack: Stack,
     active: Active,
+    pending: Pending,
 }
 
 /// The first crossing in the engine's own terms.
@@ -106,11 +107,13 @@ fn find(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Optio
 /// Clips the ray against the cells' box in f64, so that f32 never sees a far origin.
 fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
     let bounds = cells.bounds?;
-    let per_unit = ray.direction.length().recip();
+    let length = ray.direction.length();
+    let per_unit = length.recip();
     let direction = ray.direction * per_unit;
     let origin = ray.origin - blobs.field.origin;
-    let (t_min, t_max) = (ray.t_min / per_unit, ray.t_max / per_unit);
+    let (t_min, t_max) = (ray.t_min * length, ray.t_max * length);
     let (mut enter, mut leave) = (t_min, t_max);
+    let inverse = direction.recip();
     for axis in 0..3 {
         let (lower, upper) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
         if direction[axis] == 0.0 {
@@ -119,8 +122,8 @@ fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
             }
             continue;
         }
-        let to_lower = (lower - origin[axis]) / direction[axis];
-        let to_upper = (upper - origin[axis]) / direction[axis];
+        let to_lower = (lower - origin[axis]) * inverse[axis];
+        let to_upper = (upper - origin[axis]) * inverse[axis];
         enter = enter.max(to_lower.min(to_upper));
         leave = leave.min(to_lower.max(to_upper));
     }
@@ -160,7 +163,11 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
         ray.direction.as_vec3().to_array(),
         ray.length,
     );
-    let CellsScratch { stack, active } = &mut scratch.cells;
+    let CellsScratch {
+        stack,
+        active,
+        pending,
+    } = &mut scratch.cells;
     let counters = &mut scratch.counters;
     let direction = ray.direction.as_vec3().to_array();
     let solver = Solver {
@@ -219,28 +226,29 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                     };
                     loop {
                         let segment = Segment { length, entry };
-                        let crossing = match solver.first_crossing::<S, K>(simd, active, segment) {
-                            Verdict::Crossing(s) => s,
-                            Verdict::Unclear => {
-                                let is_inside = |s: f64| {
-                                    let at = ray.origin + ray.direction * s;
-                                    blobs.field.side(at) == Side::Inside
-                                };
-                                let just_behind = f64::from(solver.tolerance);
-                                if is_inside(0.0) != ray.inside
-                                    || is_inside(just_behind) == ray.inside
-                                {
-                                    entry = Entry::Returning;
-                                    continue;
+                        let crossing =
+                            match solver.first_crossing::<S, K>(simd, active, pending, segment) {
+                                Verdict::Crossing(s) => s,
+                                Verdict::Unclear => {
+                                    let is_inside = |s: f64| {
+                                        let at = ray.origin + ray.direction * s;
+                                        blobs.field.side(at) == Side::Inside
+                                    };
+                                    let just_behind = f64::from(solver.tolerance);
+                                    if is_inside(0.0) != ray.inside
+                                        || is_inside(just_behind) == ray.inside
+                                    {
+                                        entry = Entry::Returning;
+                                        continue;
+                                    }
+                                    0.0
                                 }
-                                0.0
-                            }
-                            Verdict::StaysOnSide => {
-                                on_stated_side = true;
-                                return false;
-                            }
-                            Verdict::NeverOnSide => return false,
-                        };
+                                Verdict::StaysOnSide => {
+                                    on_stated_side = true;
+                                    return false;
+                                }
+                                Verdict::NeverOnSide => return false,
+                            };
                         found = Some(Found {
                             t: f64::from(near) + f64::from(crossing),
                             block,

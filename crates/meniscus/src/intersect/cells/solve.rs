@@ -18,9 +18,40 @@ const PENDING: usize = 40;
 /// Relative rounding of a sum of kernels in f32: below this φ has no sign.
 const NOISE: f32 = 4e-7;
 
-const NODE_INDEX: [f32; LANES] = [
-    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+/// Where the samples lie on an interval of which nothing is known: evenly, k/15 of the way.
+const EVEN: [f32; LANES] = {
+    let mut offsets = [0.0; LANES];
+    let mut k = 0;
+    while k < LANES {
+        offsets[k] = k as f32 / 15.0;
+        k += 1;
+    }
+    offsets
+};
+
+/// Where they lie about the likely crossing, which is at 0; the ends of the interval are at ∓1.
+const AIMED: [f32; LANES] = [
+    -1.0, -0.3, -0.1, -0.03, -0.01, -3e-3, -1e-3, -2e-4, 2e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3,
+    1.0,
 ];
+
+/// The wider of the two gaps beside each sample of a pattern.
+const fn gaps(offsets: &[f32; LANES]) -> [f32; LANES] {
+    let mut gaps = [0.0; LANES];
+    let mut k = 0;
+    while k + 1 < LANES {
+        let gap = offsets[k + 1] - offsets[k];
+        if gap > gaps[k] {
+            gaps[k] = gap;
+        }
+        gaps[k + 1] = gap;
+        k += 1;
+    }
+    gaps
+}
+
+const EVEN_GAPS: [f32; LANES] = gaps(&EVEN);
+const AIMED_GAPS: [f32; LANES] = gaps(&AIMED);
 
 /// How the ray came to the start of the segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +70,32 @@ pub(super) enum Entry {
 pub(super) struct Segment {
     pub(super) length: f32,
     pub(super) entry: Entry,
+}
+
+/// A stretch of the segment that may hold the crossing.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    from: f32,
+    to: f32,
+    /// Where a crossing is to be expected, when both ends are known to lie on different sides, with
+    /// the bounds (−φ″, +φ″) that held for a longer interval.
+    aim: Option<(f32, (f32, f32))>,
+}
+
+/// Intervals put off until those before them are done.
+#[derive(Debug)]
+pub(super) struct Pending([Interval; PENDING]);
+
+impl Default for Pending {
+    fn default() -> Self {
+        Self(
+            [Interval {
+                from: 0.0,
+                to: 0.0,
+                aim: None,
+            }; PENDING],
+        )
+    }
 }
 
 /// What a search found.
@@ -65,30 +122,47 @@ pub(super) struct Solver {
     pub(super) tolerance: f32,
 }
 
+/// `sum` plus the field of one blob at sixteen points.
+#[inline(always)]
+fn add_blob<S: Simd, K: KernelShape>(
+    simd: S,
+    at: f32x16<S>,
+    [c, beta, g0, weight]: [f32; 4],
+    sum: f32x16<S>,
+) -> f32x16<S> {
+    let away = at - c;
+    let fall = away * -beta;
+    let g = Number::mul_add(fall, away, f32x16::splat(simd, g0)).max(f32x16::splat(simd, 0.0));
+    Number::mul_add(K::of_g(g), f32x16::splat(simd, weight), sum)
+}
+
 impl Solver {
-    /// φ at the sixteen points from + i·step.
+    /// φ at sixteen points.
     #[inline(always)]
     fn sample<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
-        from: f32,
-        step: f32,
+        at: f32x16<S>,
     ) -> f32x16<S> {
-        let index = f32x16::from_slice(simd, &NODE_INDEX);
-        let at = Number::mul_add(index, f32x16::splat(simd, step), f32x16::splat(simd, from));
         let zero = f32x16::splat(simd, 0.0);
-        let mut sum = zero;
-        let count = active.count;
-        let (c, beta) = (&active.c[..count], &active.beta[..count]);
-        let (g0, weight) = (&active.g0[..count], &active.weight[..count]);
-        for i in 0..count {
-            let away = at - c[i];
-            let fall = away * -beta[i];
-            let g = Number::mul_add(fall, away, f32x16::splat(simd, g0[i])).max(zero);
-            sum = Number::mul_add(K::of_g(g), f32x16::splat(simd, weight[i]), sum);
+        // Two sums, so that one addition need not wait for the other; a blob of weight 0 follows the
+        // last one.
+        let (mut even, mut odd) = (zero, zero);
+        let count = active.count.next_multiple_of(2);
+        let (c, beta) = (
+            active.c[..count].chunks_exact(2),
+            active.beta[..count].chunks_exact(2),
+        );
+        let (g0, weight) = (
+            active.g0[..count].chunks_exact(2),
+            active.weight[..count].chunks_exact(2),
+        );
+        for (((c, beta), g0), weight) in c.zip(beta).zip(g0).zip(weight) {
+            even = add_blob::<S, K>(simd, at, [c[0], beta[0], g0[0], weight[0]], even);
+            odd = add_blob::<S, K>(simd, at, [c[1], beta[1], g0[1], weight[1]], odd);
         }
-        let above = sum - self.threshold;
+        let above = even + odd - self.threshold;
         if self.inside { -above } else { above }
     }
 
@@ -126,8 +200,10 @@ impl Solver {
         &self,
         simd: S,
         active: &Active,
+        pending: &mut Pending,
         segment: Segment,
     ) -> Verdict {
+        let pending = &mut pending.0;
         // While `returning` the search is for the side that the ray is said to start on: φ is
         // negated, and what is found is where the search proper begins.
         let mut returning = segment.entry != Entry::Confirmed;
@@ -139,16 +215,39 @@ impl Solver {
             // Outside all supports the field is 0.
             start = active.span(simd, segment.length);
         }
-        let mut pending = [start; PENDING];
+        pending[0] = Interval {
+            from: start.0,
+            to: start.1,
+            aim: None,
+        };
         let mut depth = 1;
         let mut at_start = true;
         let scale = self.threshold.max(1.0);
         let zero = f32x16::splat(simd, 0.0);
         while depth > 0 {
             depth -= 1;
-            let (from, to) = pending[depth];
-            let step = (to - from) * (1.0 / 15.0);
-            let mut phi = self.sample::<S, K>(simd, active, from, step);
+            let Interval { from, to, aim } = pending[depth];
+            let length = to - from;
+            let (at, gap) = match aim {
+                None => {
+                    let offsets = f32x16::from_slice(simd, &EVEN);
+                    let start = f32x16::splat(simd, from);
+                    let at = Number::mul_add(offsets, f32x16::splat(simd, length), start);
+                    (at, f32x16::from_slice(simd, &EVEN_GAPS) * length)
+                }
+                Some((aim, _)) => {
+                    let offsets = f32x16::from_slice(simd, &AIMED);
+                    let before = f32x16::splat(simd, aim - from);
+                    let behind = f32x16::splat(simd, to - aim);
+                    let unit = offsets.simd_lt(zero).select(before, behind);
+                    let at = Number::mul_add(offsets, unit, f32x16::splat(simd, aim));
+                    (
+                        at,
+                        f32x16::from_slice(simd, &AIMED_GAPS) * before.max(behind),
+                    )
+                }
+            };
+            let mut phi = self.sample::<S, K>(simd, active, at);
             if returning {
                 phi = -phi;
             }
@@ -167,12 +266,19 @@ impl Solver {
                     return Verdict::Unclear;
                 }
             }
-            let (mut fall, mut rise) = self.bend::<S, K>(simd, active, from, to);
-            if returning {
-                (fall, rise) = (rise, fall);
-            }
-            let band = fall * step * step * 0.125;
-            let candidates = phi.simd_ge(f32x16::splat(simd, -band)).to_bitmask() as u32;
+            let (fall, rise) = match aim {
+                Some((_, bends)) => bends,
+                None => {
+                    let (fall, rise) = self.bend::<S, K>(simd, active, from, to);
+                    if returning {
+                        (rise, fall)
+                    } else {
+                        (fall, rise)
+                    }
+                }
+            };
+            let band = gap * gap * (0.125 * fall);
+            let candidates = (phi + band).simd_ge(zero).to_bitmask() as u32;
             if candidates == 0 {
                 continue;
             }
@@ -185,50 +291,60 @@ impl Solver {
             } else {
                 (k + 1).min(15)
             };
-            let at = |node: u32| {
-                if node == 15 {
-                    to
-                } else {
-                    from + step * node as f32
-                }
-            };
-            let (at_left, at_right) = (at(left), at(right));
+            let (ats, phis): ([f32; 16], [f32; 16]) = (at.to_array(), phi.to_array());
+            let (left, right) = (left as usize & 15, right as usize & 15);
+            let at_left = if left == 0 { from } else { ats[left] };
+            let at_right = if right == 15 { to } else { ats[right] };
             let width = at_right - at_left;
             let sure = crossed >> right & 1 == 1;
             // No closer look can tell more than rounding allows.
-            let fine = band <= NOISE * scale
-                || width <= 0.0
-                || step <= 1e-7 * segment.length
+            let fine = 0.125 * fall * width * width <= NOISE * scale
+                || width <= 1e-7 * segment.length
                 || depth + 2 > PENDING;
+            let mut aim = None;
             if sure {
-                let phis: [f32; 16] = phi.to_array();
-                let low = phis[left as usize & 15].min(0.0);
-                let high = phis[right as usize & 15];
+                let low = phis[left].min(0.0);
+                let high = phis[right];
                 let bend = fall.max(rise);
                 if returning {
                     // Steep enough to cross only once.
                     if fine || high - low > 0.5 * bend * width * width {
                         returning = false;
-                        pending[0] = (at_right, segment.length);
+                        pending[0] = Interval {
+                            from: at_right,
+                            to: segment.length,
+                            aim: None,
+                        };
                         depth = usize::from(at_right < segment.length);
                         continue;
                     }
-                } else if fine
-                    || bend * width * width * width <= 8.0 * self.tolerance * (high - low)
-                {
+                } else {
                     let fraction = if high > low { low / (low - high) } else { 0.0 };
-                    return Verdict::Crossing(at_left + width * fraction.clamp(0.0, 1.0));
+                    let secant = |least: f32| at_left + width * fraction.clamp(least, 1.0 - least);
+                    if fine || bend * width * width * width <= 8.0 * self.tolerance * (high - low) {
+                        return Verdict::Crossing(secant(0.0));
+                    }
+                    // Not at the very ends, where samples would fall into each other's rounding.
+                    aim = Some((secant(0.1), (fall, rise)));
                 }
             }
             // Kept even where a crossing is sure: rounding may hide it from the closer look.
             if right < 15 && at_right > from {
-                pending[depth] = (at_right, to);
+                pending[depth] = Interval {
+                    from: at_right,
+                    to,
+                    aim: None,
+                };
                 depth += 1;
             }
             if fine && !sure {
                 continue;
             }
-            pending[depth] = (at_left, at_right);
+            pending[depth] = Interval {
+                from: at_left,
+                to: at_right,
+                aim,
+            };
             depth += 1;
         }
         if returning {
