@@ -15,6 +15,8 @@ use std::time::Instant;
 
 /// Rays that one task traces.
 const CHUNK: usize = 1024;
+/// Side in pixels of the blocks that primary rays are made in.
+const BLOCK: u32 = 4;
 /// Seed of the hemisphere's directions and of the shuffle.
 const SEED: u32 = 1;
 
@@ -85,12 +87,14 @@ impl Bench<'_> {
     /// Measures all passes.
     pub(crate) fn run(&self) -> Outcome<Measured> {
         let [width, height] = self.camera.size;
-        let pixels: Vec<u32> = (0..width * height).collect();
+        let pixels = in_blocks(width, height);
         let primary_ray = |&pixel: &u32| {
             let (x, y) = (pixel % width, pixel / width);
             self.camera.ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
         };
-        let closest = |ray: &Ray, scratch: &mut Scratch| self.frame.closest_hit(ray, scratch);
+        let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
+            self.frame.closest_hits(rays, hits, scratch);
+        };
         let (primary, hits, counters) = self.pass(0, &pixels, primary_ray, closest)?;
 
         let starts: Vec<Start> = hits
@@ -111,8 +115,9 @@ impl Bench<'_> {
             .copied()
             .collect();
         let shadow_ray = |start: &Start| from_surface(start, self.towards_light);
-        let blocked =
-            |ray: &Ray, scratch: &mut Scratch| self.frame.any_hit(ray, scratch).then_some(());
+        let blocked = |rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch| {
+            self.frame.any_hits(rays, hits, scratch);
+        };
         let (shadow, ..) = self.pass(1, &lit, shadow_ray, blocked)?;
 
         let hemisphere_ray = |start: &Start| {
@@ -135,16 +140,15 @@ impl Bench<'_> {
 
     /// One pass, `repeats` times: rays are made, traced, and answered within the measured time. The
     /// answers and the counted work are those of one repeat.
-    fn pass<T: Sync, A: Send>(
+    fn pass<T: Sync, A: Answer>(
         &self,
         pass: u64,
         items: &[T],
         ray_of: impl Fn(&T) -> Ray + Sync,
-        trace: impl Fn(&Ray, &mut Scratch) -> Option<A> + Sync,
-    ) -> Outcome<(PassFigures, Vec<Option<A>>, Counters)> {
+        trace: impl Fn(&[Ray], &mut [A], &mut Scratch) + Sync,
+    ) -> Outcome<(PassFigures, Vec<A>, Counters)> {
         let mut times = Vec::new();
-        let mut answers: Vec<Option<A>> = Vec::new();
-        answers.resize_with(items.len(), || None);
+        let mut answers = vec![A::default(); items.len()];
         let mut counters = Counters::default();
         for repeat in 0..self.repeats {
             interrupt::check()?;
@@ -152,12 +156,15 @@ impl Bench<'_> {
             counters = items
                 .par_chunks(CHUNK)
                 .zip(answers.par_chunks_mut(CHUNK))
-                .map_init(Scratch::default, |scratch, (items, answers)| {
-                    for (item, answer) in items.iter().zip(answers) {
-                        *answer = trace(&ray_of(item), scratch);
-                    }
-                    std::mem::take(&mut scratch.counters)
-                })
+                .map_init(
+                    <(Vec<Ray>, Scratch)>::default,
+                    |(rays, scratch), (items, answers)| {
+                        rays.clear();
+                        rays.extend(items.iter().map(&ray_of));
+                        trace(rays, answers, scratch);
+                        std::mem::take(&mut scratch.counters)
+                    },
+                )
                 .reduce(Counters::default, |mut sum, part| {
                     sum += part;
                     sum
@@ -175,7 +182,7 @@ impl Bench<'_> {
                 0.0
             }
         };
-        let hits = answers.iter().filter(|answer| answer.is_some()).count();
+        let hits = answers.iter().filter(|answer| answer.is_hit()).count();
         let figures = PassFigures {
             rays,
             secs,
@@ -185,6 +192,33 @@ impl Bench<'_> {
         };
         Ok((figures, answers, counters))
     }
+}
+
+/// What a ray is answered with.
+trait Answer: Clone + Default + Send + Sync {
+    fn is_hit(&self) -> bool;
+}
+
+impl Answer for Option<Hit> {
+    fn is_hit(&self) -> bool {
+        self.is_some()
+    }
+}
+
+impl Answer for bool {
+    fn is_hit(&self) -> bool {
+        *self
+    }
+}
+
+/// The pixels of an image, block after block of 4 × 4, so that neighbours follow each other.
+fn in_blocks(width: u32, height: u32) -> Vec<u32> {
+    let mut pixels: Vec<u32> = (0..width * height).collect();
+    pixels.sort_by_key(|pixel| {
+        let (x, y) = (pixel % width, pixel / width);
+        (y / BLOCK, x / BLOCK, y % BLOCK, x % BLOCK)
+    });
+    pixels
 }
 
 fn from_surface(start: &Start, direction: DVec3) -> Ray {

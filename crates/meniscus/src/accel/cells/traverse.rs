@@ -6,9 +6,9 @@ use crate::math::simd::{splat3, xyz};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-/// Deep enough for any tree of [`super::build::MAX_DEPTH`] levels, each of which leaves at most
+/// Deep enough for any tree of `MAX_DEPTH` levels, each of which leaves at most
 /// seven siblings behind; a power of two, so that an index is checked by a mask.
-const STACK: usize = 1024;
+pub const STACK: usize = 1024;
 
 /// A ray prepared for slab tests, in local f32 coordinates with a unit direction.
 #[derive(Debug, Clone, Copy)]

@@ -3,6 +3,7 @@
 
 mod gather;
 mod gradient;
+mod packet;
 mod solve;
 
 use super::{BlobHit, Scratch};
@@ -17,6 +18,7 @@ use crate::{at_level, with_kernel};
 use fearless_simd::Simd;
 use gather::{Active, gather};
 use glam::DVec3;
+use packet::{Outcome, PacketScratch};
 use solve::{Entry, Pending, Segment, Solver, Verdict};
 
 /// Accuracy of t that the solver aims at, in spacings.
@@ -28,6 +30,7 @@ pub struct CellsScratch {
     stack: Stack,
     active: Active,
     pending: Pending,
+    packet: PacketScratch,
 }
 
 /// The first crossing in the engine's own terms.
@@ -38,6 +41,7 @@ struct Found {
 }
 
 /// A ray in local coordinates with a unit direction, moved to where it can first meet the cells.
+#[derive(Debug, Clone, Copy)]
 struct LocalRay {
     /// Start of the stretch that is traced, local f64.
     origin: DVec3,
@@ -56,9 +60,114 @@ struct LocalRay {
     side_is_proven: bool,
 }
 
+impl LocalRay {
+    /// The stretch as the slab test wants it.
+    fn slab_ray(&self) -> SlabRay {
+        SlabRay::new(
+            self.origin.as_vec3().to_array(),
+            self.direction.as_vec3().to_array(),
+            self.length,
+        )
+    }
+
+    /// The caller's parameter of a point `along` the stretch.
+    fn parameter(&self, ray: &Ray, along: f64) -> f64 {
+        ((self.t_start + along) * self.per_unit).clamp(ray.t_min, ray.t_max)
+    }
+}
+
+/// A leaf entered this close to t_min may hold the start although rounding says otherwise.
+fn start_margin(cells: &Cells) -> f32 {
+    4e-6 * cells.bounds.map_or(0.0, |b| b.size().max_element())
+}
+
+/// First crossings of object-space rays, in `hits`; rays that lie close together go faster.
+pub fn closest_many(
+    blobs: &Blobs,
+    cells: &Cells,
+    rays: &[Ray],
+    hits: &mut [Option<BlobHit>],
+    scratch: &mut Scratch,
+) {
+    for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
+        let (local, outcomes) = trace_packet(blobs, cells, rays, false, scratch);
+        for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+            *hit = match (outcomes[lane], &local[lane]) {
+                (
+                    Outcome::Hit {
+                        t,
+                        outward,
+                        strongest,
+                    },
+                    Some(local),
+                ) => Some(BlobHit {
+                    t: local.parameter(ray, t),
+                    outward: glam::Vec3::from_array(outward).as_dvec3(),
+                    strongest,
+                    entering: true,
+                }),
+                (Outcome::Alone, Some(local)) => closest_alone(blobs, cells, ray, local, scratch),
+                _ => None,
+            };
+        }
+    }
+}
+
+/// Whether object-space rays cross the surface, in `hits`; rays that lie close together go faster.
+pub fn occluded_many(
+    blobs: &Blobs,
+    cells: &Cells,
+    rays: &[Ray],
+    hits: &mut [bool],
+    scratch: &mut Scratch,
+) {
+    for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
+        let (local, outcomes) = trace_packet(blobs, cells, rays, true, scratch);
+        for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+            *hit = match (outcomes[lane], &local[lane]) {
+                (Outcome::Hit { .. }, _) => true,
+                (Outcome::Alone, Some(local)) => {
+                    find(blobs, cells, ray, local, Question::Any, scratch).is_some()
+                }
+                _ => false,
+            };
+        }
+    }
+}
+
+fn trace_packet(
+    blobs: &Blobs,
+    cells: &Cells,
+    rays: &[Ray],
+    any: bool,
+    scratch: &mut Scratch,
+) -> ([Option<LocalRay>; LANES], [Outcome; LANES]) {
+    let mut local = [None; LANES];
+    for (local, ray) in local.iter_mut().zip(rays) {
+        if ray.is_traceable() {
+            scratch.counters.rays += 1;
+            *local = local_ray(blobs, cells, ray);
+        }
+    }
+    let outcomes = packet::trace(blobs, cells, &local, any, scratch);
+    (local, outcomes)
+}
+
 /// First crossing of a traceable object-space ray.
 pub fn closest(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Option<BlobHit> {
-    let found = find(blobs, cells, ray, scratch)?;
+    scratch.counters.rays += 1;
+    let local = local_ray(blobs, cells, ray)?;
+    closest_alone(blobs, cells, ray, &local, scratch)
+}
+
+fn closest_alone(
+    blobs: &Blobs,
+    cells: &Cells,
+    ray: &Ray,
+    local: &LocalRay,
+    scratch: &mut Scratch,
+) -> Option<BlobHit> {
+    let found = find(blobs, cells, ray, local, Question::First, scratch)?;
     let at = ray.at(found.t) - blobs.field.origin;
     let (outward, strongest) = gradient_at(blobs, cells, found.block, at);
     Some(BlobHit {
@@ -71,7 +180,18 @@ pub fn closest(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -
 
 /// Whether a traceable object-space ray has a crossing.
 pub fn occluded(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
-    find(blobs, cells, ray, scratch).is_some()
+    scratch.counters.rays += 1;
+    local_ray(blobs, cells, ray)
+        .is_some_and(|local| find(blobs, cells, ray, &local, Question::Any, scratch).is_some())
+}
+
+/// What is asked of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Question {
+    /// Where the first crossing is.
+    First,
+    /// Whether there is one.
+    Any,
 }
 
 /// Runs `$body` with the field's kernel, primitive and SIMD token as types: the one dispatch.
@@ -90,16 +210,22 @@ macro_rules! specialised {
     };
 }
 
-fn find(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Option<Found> {
-    scratch.counters.rays += 1;
-    let local = local_ray(blobs, cells, ray)?;
+use specialised;
+
+fn find(
+    blobs: &Blobs,
+    cells: &Cells,
+    ray: &Ray,
+    local: &LocalRay,
+    question: Question,
+    scratch: &mut Scratch,
+) -> Option<Found> {
     scratch.cells.active.reserve(cells.largest_leaf);
     let found = specialised!(blobs, simd, K, P => {
-        find_in_cells::<_, K, P>(simd, blobs, cells, &local, scratch)
+        find_in_cells::<_, K, P>(simd, blobs, cells, local, question, scratch)
     })?;
-    let t = (local.t_start + found.t) * local.per_unit;
     Some(Found {
-        t: t.clamp(ray.t_min, ray.t_max),
+        t: local.parameter(ray, found.t),
         ..found
     })
 }
@@ -156,27 +282,28 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     blobs: &Blobs,
     cells: &Cells,
     ray: &LocalRay,
+    question: Question,
     scratch: &mut Scratch,
 ) -> Option<Found> {
-    let slab_ray = SlabRay::new(
-        ray.origin.as_vec3().to_array(),
-        ray.direction.as_vec3().to_array(),
-        ray.length,
-    );
+    let slab_ray = ray.slab_ray();
     let CellsScratch {
         stack,
         active,
         pending,
+        ..
     } = &mut scratch.cells;
     let counters = &mut scratch.counters;
     let direction = ray.direction.as_vec3().to_array();
+    let just_behind = f64::from(T_TOLERANCE_SPACINGS * blobs.field.spacing);
     let solver = Solver {
         threshold: blobs.field.threshold,
         inside: ray.inside,
-        tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
+        tolerance: match question {
+            Question::First => T_TOLERANCE_SPACINGS * blobs.field.spacing,
+            Question::Any => f32::INFINITY,
+        },
     };
-    // A leaf entered this close to t_min may hold the start although rounding says otherwise.
-    let start_margin = 4e-6 * cells.bounds.map_or(0.0, |b| b.size().max_element());
+    let start_margin = start_margin(cells);
     // Whether the ray is known to have been on the side that it is said to start on.
     let mut on_stated_side = ray.side_is_proven && !ray.starts_at_t_min;
     let mut first_leaf = true;
@@ -234,7 +361,6 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                                         let at = ray.origin + ray.direction * s;
                                         blobs.field.side(at) == Side::Inside
                                     };
-                                    let just_behind = f64::from(solver.tolerance);
                                     if is_inside(0.0) != ray.inside
                                         || is_inside(just_behind) == ray.inside
                                     {

@@ -1,0 +1,302 @@
+//! A packet in one leaf: gathers the blobs that any of its rays meets, steps to the crossings, and
+//! takes the gradient there.
+
+use super::step::{self, Stepped};
+use super::{Job, Lanes, Outcome};
+use crate::accel::cells::Cells;
+use crate::accel::cells::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
+use crate::intersect::cells::leaf_chunks;
+use crate::kernel::KernelShape;
+use crate::math::number::Number;
+use crate::math::simd::xyz;
+use crate::primitive::{Primitive, dot};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, u32x16};
+
+/// A blob that a packet meets: a parabola g(s) = g₀ − β(s − c)² per lane.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct ActiveBlob {
+    pub(super) c: [f32; LANES],
+    pub(super) beta: [f32; LANES],
+    pub(super) g0: [f32; LANES],
+    pub(super) weight: f32,
+    /// Which blob of the leaf.
+    slot: u32,
+}
+
+/// The blobs that a packet meets in a leaf.
+#[derive(Debug, Default)]
+pub(super) struct ActiveLanes {
+    blobs: Vec<ActiveBlob>,
+    count: usize,
+}
+
+impl ActiveLanes {
+    /// Makes room for every blob of a leaf of `largest` blobs and one more.
+    pub(super) fn reserve(&mut self, largest: usize) {
+        const NONE: ActiveBlob = ActiveBlob {
+            c: [0.0; LANES],
+            beta: [0.0; LANES],
+            g0: [0.0; LANES],
+            weight: 0.0,
+            slot: 0,
+        };
+        if self.blobs.len() <= largest {
+            self.blobs.resize(largest + 1, NONE);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn blobs(&self) -> &[ActiveBlob] {
+        &self.blobs[..self.count]
+    }
+}
+
+/// One leaf.
+pub(super) struct Leaf<'a> {
+    chunks: &'a [Block],
+    center: [f32; 3],
+    pub(super) count: usize,
+}
+
+/// Bounds over the packet's segments in a leaf.
+struct Gathered<S: Simd> {
+    /// Upper bound of the field.
+    upper: f32x16<S>,
+    /// Upper bound of the field's second derivative along the ray.
+    rise: f32x16<S>,
+}
+
+impl<'a> Leaf<'a> {
+    #[inline(always)]
+    pub(super) fn new<P: Primitive>(cells: &'a Cells, block: u32) -> Self {
+        let header = LeafHeader::from_block(&cells.blocks[block as usize]);
+        Self {
+            chunks: leaf_chunks::<P>(&cells.blocks, block, header.count),
+            center: header.center,
+            count: header.count,
+        }
+    }
+
+    /// Centre, shape and weight of blob `lane` of a chunk.
+    #[inline(always)]
+    fn blob<P: Primitive>(chunk: &[Block], lane: usize) -> ([f32; 3], [f32; 6], f32) {
+        let lane = lane % LANES;
+        let chunk = &chunk[..blocks_per_chunk(P::COLUMNS)];
+        let mut shape = [0.0; 6];
+        for k in 0..P::COLUMNS {
+            shape[k] = chunk[3 + k].0[lane];
+        }
+        let center = [chunk[0].0[lane], chunk[1].0[lane], chunk[2].0[lane]];
+        (center, shape, chunk[3 + P::COLUMNS].0[lane])
+    }
+
+    /// Where the lanes' segments begin, relative to the leaf's centre.
+    #[inline(always)]
+    fn origin<S: Simd>(&self, simd: S, lanes: &Lanes<S>, near: f32x16<S>) -> [f32x16<S>; 3] {
+        let near: [f32; LANES] = near.to_array();
+        xyz(
+            #[inline(always)]
+            |axis| {
+                let (origin, direction) = (&lanes.origin_f64[axis], &lanes.direction_f64[axis]);
+                let center = f64::from(self.center[axis]);
+                let mut relative = [0.0; LANES];
+                for lane in 0..LANES {
+                    let along = direction[lane] * f64::from(near[lane]);
+                    relative[lane] = (origin[lane] + along - center) as f32;
+                }
+                f32x16::from_slice(simd, &relative)
+            },
+        )
+    }
+
+    /// Traces the lanes of `mask` through the leaf; returns those that are done.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "one call, inlined")]
+    pub(super) fn trace<S: Simd, K: KernelShape, P: Primitive>(
+        &self,
+        simd: S,
+        job: &Job,
+        lanes: &mut Lanes<S>,
+        active: &mut ActiveLanes,
+        (mask, near, far): (u32, f32x16<S>, f32x16<S>),
+        seen_leaf: &mut u32,
+        outcomes: &mut [Outcome; LANES],
+    ) -> u32 {
+        let origin = self.origin(simd, lanes, near);
+        let length = far - near;
+        let gathered = self.gather::<S, K, P>(simd, lanes, (mask, origin, length), active);
+        // The ray starts in a dropped cell, and whether that agrees with what it states is not known.
+        let away = near
+            .simd_gt(f32x16::splat(simd, job.start_margin))
+            .to_bitmask() as u32;
+        let doubtful = mask & away & !*seen_leaf & !lanes.on_stated_side & !lanes.side_is_proven;
+        *seen_leaf |= mask;
+        let reached = gathered
+            .upper
+            .simd_ge(f32x16::splat(simd, job.threshold))
+            .to_bitmask() as u32;
+        lanes.on_stated_side |= mask & !doubtful & !reached;
+        let todo = mask & reached & !doubtful;
+        let mut alone = doubtful;
+        let mut done = 0;
+        if todo != 0 {
+            // Elsewhere a field above the threshold at entry means that the surface lies at this seam.
+            let at_start = todo
+                & !lanes.side_is_proven
+                & !(lanes.on_stated_side & (away | !lanes.starts_at_t_min));
+            let Stepped {
+                crossed,
+                unclear,
+                at,
+            } = step::first_crossings::<S, K>(
+                simd,
+                job,
+                active,
+                (todo, at_start),
+                length,
+                gathered.rise,
+            );
+            alone |= unclear;
+            done = crossed;
+            lanes.on_stated_side |= todo & !crossed & !unclear;
+            if crossed != 0 && job.any {
+                set(
+                    outcomes,
+                    crossed,
+                    Outcome::Hit {
+                        t: 0.0,
+                        outward: [0.0; 3],
+                        strongest: 0,
+                    },
+                );
+            } else if crossed != 0 {
+                let point = xyz(
+                    #[inline(always)]
+                    |axis| Number::mul_add(lanes.direction[axis], at, origin[axis]),
+                );
+                let (outward, strongest) = self.gradient::<S, K, P>(simd, active, point);
+                let (near, at): ([f32; LANES], [f32; LANES]) = (near.to_array(), at.to_array());
+                for lane in 0..LANES {
+                    if crossed >> lane & 1 == 1 {
+                        outcomes[lane] = Outcome::Hit {
+                            t: f64::from(near[lane]) + f64::from(at[lane]),
+                            outward: [outward[0][lane], outward[1][lane], outward[2][lane]],
+                            strongest: strongest[lane],
+                        };
+                    }
+                }
+            }
+        }
+        set(outcomes, alone, Outcome::Alone);
+        done | alone
+    }
+
+    #[inline(always)]
+    fn gather<S: Simd, K: KernelShape, P: Primitive>(
+        &self,
+        simd: S,
+        lanes: &Lanes<S>,
+        (mask, origin, length): (u32, [f32x16<S>; 3], f32x16<S>),
+        active: &mut ActiveLanes,
+    ) -> Gathered<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let (mut upper, mut rise) = (zero, zero);
+        let mut count = 0;
+        let mut first = 0;
+        for chunk in self.chunks.chunks_exact(blocks_per_chunk(P::COLUMNS)) {
+            for lane in 0..LANES.min(self.count - first) {
+                let (center, columns, weight) = Self::blob::<P>(chunk, lane);
+                let w = xyz(
+                    #[inline(always)]
+                    |k| f32x16::splat(simd, center[k]) - origin[k],
+                );
+                let mut shape = [zero; 6];
+                for k in 0..P::COLUMNS {
+                    shape[k] = f32x16::splat(simd, columns[k]);
+                }
+                let line = P::along(&shape[..P::COLUMNS], w, lanes.direction);
+                let away = line.c.max(zero).min(length) - line.c;
+                let most = (line.g0 - line.beta * away * away).max(zero);
+                let meets = most.simd_gt(zero);
+                let g0 = meets.select(line.g0, zero);
+                // No branch that depends on the blob: half of them meet the packet, and which is
+                // anybody's guess.
+                let positive = f32x16::splat(simd, weight.max(0.0));
+                upper = Number::mul_add(K::of_g(most), positive, upper);
+                let bound = line.beta * K::convex_bound(g0);
+                rise = Number::mul_add(bound, positive, rise);
+                if weight < 0.0 {
+                    let bound = line.beta * K::concave_bound(g0);
+                    rise = Number::mul_add(bound, f32x16::splat(simd, -weight), rise);
+                }
+                let blob = &mut active.blobs[count];
+                line.c.store_slice(&mut blob.c);
+                line.beta.store_slice(&mut blob.beta);
+                line.g0.store_slice(&mut blob.g0);
+                blob.weight = weight;
+                blob.slot = (first + lane) as u32;
+                count += usize::from(meets.to_bitmask() as u32 & mask != 0);
+            }
+            first += LANES;
+        }
+        active.count = count;
+        Gathered { upper, rise }
+    }
+
+    /// −∇F and the strongest blob at one point per lane.
+    #[inline(always)]
+    fn gradient<S: Simd, K: KernelShape, P: Primitive>(
+        &self,
+        simd: S,
+        active: &ActiveLanes,
+        point: [f32x16<S>; 3],
+    ) -> ([[f32; LANES]; 3], [u32; LANES]) {
+        let zero = f32x16::splat(simd, 0.0);
+        let mut sum = [zero; 3];
+        let mut best = f32x16::splat(simd, -1.0);
+        let mut best_index = u32x16::splat(simd, 0);
+        for blob in active.blobs() {
+            let slot = blob.slot as usize;
+            let chunk = &self.chunks[slot / LANES * blocks_per_chunk(P::COLUMNS)..];
+            let (center, columns, weight) = Self::blob::<P>(chunk, slot);
+            let d = xyz(
+                #[inline(always)]
+                |k| point[k] - center[k],
+            );
+            let mut shape = [zero; 6];
+            for k in 0..P::COLUMNS {
+                shape[k] = f32x16::splat(simd, columns[k]);
+            }
+            let y = P::transform(&shape[..P::COLUMNS], d);
+            let g = (dot(y, y) * -1.0 + 1.0).max(zero);
+            // ∂g/∂x = −2 Aᵀy, so −∇F sums w·k′(g)·2·Aᵀy.
+            let scale = K::slope(g) * (2.0 * weight);
+            let pull = P::transform_transposed(&shape[..P::COLUMNS], y);
+            for k in 0..3 {
+                sum[k] = Number::mul_add(scale, pull[k], sum[k]);
+            }
+            let strength = (K::of_g(g) * weight).abs();
+            let stronger = strength.simd_gt(best);
+            best = stronger.select(strength, best);
+            best_index = stronger.select(
+                u32x16::splat(simd, chunk[4 + P::COLUMNS].0[slot % LANES].to_bits()),
+                best_index,
+            );
+        }
+        (
+            [sum[0].to_array(), sum[1].to_array(), sum[2].to_array()],
+            best_index.to_array(),
+        )
+    }
+}
+
+#[inline(always)]
+fn set(outcomes: &mut [Outcome; LANES], mask: u32, outcome: Outcome) {
+    for (lane, slot) in outcomes.iter_mut().enumerate() {
+        if mask >> lane & 1 == 1 {
+            *slot = outcome;
+        }
+    }
+}

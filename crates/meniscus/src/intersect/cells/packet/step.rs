@@ -1,0 +1,114 @@
+//! The first crossing of each lane by safe steps of second order.
+//!
+//! With φ = F − T < 0 and K ≥ φ″ on the segment, φ stays below the parabola φ + φ′δ + Kδ²/2, so no
+//! crossing lies before its root. Near a crossing the steps become Newton's.
+
+use super::Job;
+use super::leaf::ActiveLanes;
+use crate::kernel::KernelShape;
+use crate::math::number::Number;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+
+/// Steps after which a lane is left to the solver for single rays.
+const MOST_STEPS: usize = 48;
+
+/// Below this part of the threshold φ may be rounding.
+const NOISE: f32 = 1e-5;
+
+/// What stepping found.
+pub(super) struct Stepped<S: Simd> {
+    /// Lanes with a crossing.
+    pub(super) crossed: u32,
+    /// Lanes that need the solver for single rays.
+    pub(super) unclear: u32,
+    /// Where the crossings are.
+    pub(super) at: f32x16<S>,
+}
+
+/// First crossings on [0, length] of the lanes of `todo`, which travel outside; those of `at_start`
+/// may be at their own start. `rise` bounds φ″.
+#[inline(always)]
+pub(super) fn first_crossings<S: Simd, K: KernelShape>(
+    simd: S,
+    job: &Job,
+    active: &ActiveLanes,
+    (todo, at_start): (u32, u32),
+    length: f32x16<S>,
+    rise: f32x16<S>,
+) -> Stepped<S> {
+    let zero = f32x16::splat(simd, 0.0);
+    let tolerance = f32x16::splat(simd, job.tolerance);
+    let noise = NOISE * job.threshold.max(1.0);
+    // A field that cannot bend upwards still gets a finite step.
+    let rise = rise.max(f32x16::splat(simd, 1e-20));
+    let mut at = zero;
+    let mut crossings = zero;
+    let (mut crossed, mut unclear, mut rest) = (0, 0, todo);
+    for step in 0..MOST_STEPS {
+        let (phi, slope) = sample::<S, K>(simd, job, active, at);
+        let root = (slope * slope - rise * phi * 2.0).max(zero).sqrt();
+        let inwards = slope.simd_gt(zero);
+        // The larger root of the parabola, in the form that does not cancel.
+        let ahead = inwards.select(phi * -2.0 / (root + slope), (root - slope) / rise);
+        let mut delta = ahead;
+        let mut beyond = phi.simd_ge(zero).to_bitmask() as u32;
+        if step == 0 && at_start != 0 {
+            // Leaving the surface, φ falls at least to the parabola's lowest point.
+            let lowest = slope / -rise;
+            let depth = phi + slope * lowest * 0.5;
+            let near_surface = phi.simd_gt(f32x16::splat(simd, -noise)).to_bitmask() as u32;
+            let leaves = depth
+                .simd_lt(f32x16::splat(simd, -4.0 * noise))
+                .to_bitmask() as u32
+                & !(inwards.to_bitmask() as u32);
+            let leaving = at_start & near_surface & leaves;
+            unclear |= at_start & near_surface & !leaves;
+            rest &= !unclear;
+            beyond &= !leaving;
+            delta = phi.simd_ge(zero).select(lowest, ahead);
+        }
+        let next = at + delta;
+        let close = delta.simd_le(tolerance).to_bitmask() as u32;
+        let found = rest & (beyond | close);
+        if found != 0 {
+            let place = phi.simd_ge(zero).select(at, next).min(length);
+            let lanes = mask32x16::from_bitmask(simd, u64::from(found));
+            crossings = lanes.select(place, crossings);
+            crossed |= found;
+            rest &= !found;
+        }
+        rest &= next.simd_le(length).to_bitmask() as u32;
+        if rest == 0 {
+            break;
+        }
+        at = next;
+    }
+    Stepped {
+        crossed,
+        unclear: unclear | rest,
+        at: crossings,
+    }
+}
+
+/// φ and φ′ at one point per lane.
+#[inline(always)]
+fn sample<S: Simd, K: KernelShape>(
+    simd: S,
+    job: &Job,
+    active: &ActiveLanes,
+    at: f32x16<S>,
+) -> (f32x16<S>, f32x16<S>) {
+    let zero = f32x16::splat(simd, 0.0);
+    let (mut sum, mut slope) = (zero, zero);
+    for blob in active.blobs() {
+        let away = f32x16::from_slice(simd, &blob.c) - at;
+        let pull = away * f32x16::from_slice(simd, &blob.beta);
+        let g = (f32x16::from_slice(simd, &blob.g0) - pull * away).max(zero);
+        let weight = f32x16::splat(simd, blob.weight);
+        sum = Number::mul_add(K::of_g(g), weight, sum);
+        slope = Number::mul_add(K::slope(g) * pull, weight, slope);
+    }
+    let slope = slope * 2.0;
+    (sum - job.threshold, slope)
+}
