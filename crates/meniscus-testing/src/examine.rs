@@ -22,6 +22,16 @@ pub trait Tracer: Sync {
     fn occluded(&self, ray: &Ray, scratch: &mut Scratch) -> bool;
     /// Every crossing, in order.
     fn crossings(&self, ray: &Ray, scratch: &mut Scratch) -> Vec<Crossing>;
+
+    /// First crossings of many rays.
+    fn closest_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<Option<BlobHit>> {
+        rays.iter().map(|ray| self.closest(ray, scratch)).collect()
+    }
+
+    /// Whether each of many rays has a crossing.
+    fn occluded_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<bool> {
+        rays.iter().map(|ray| self.occluded(ray, scratch)).collect()
+    }
 }
 
 impl Tracer for Blobs {
@@ -38,6 +48,18 @@ impl Tracer for Blobs {
         self.crossings(ray, scratch, &mut found);
         found
     }
+
+    fn closest_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<Option<BlobHit>> {
+        let mut hits = vec![None; rays.len()];
+        self.closest_many(rays, &mut hits, scratch);
+        hits
+    }
+
+    fn occluded_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<bool> {
+        let mut hits = vec![false; rays.len()];
+        self.occluded_many(rays, &mut hits, scratch);
+        hits
+    }
 }
 
 /// What is asked about each ray.
@@ -45,8 +67,12 @@ impl Tracer for Blobs {
 pub enum Question {
     /// The first crossing.
     Closest,
+    /// The same, of many rays at once.
+    ClosestTogether,
     /// Whether there is any.
     Any,
+    /// The same, of many rays at once.
+    AnyTogether,
     /// All of them.
     All,
 }
@@ -141,10 +167,18 @@ fn examine_part(tracer: &impl Tracer, oracle: &Oracle, rays: &[Ray], question: Q
         ..Tally::default()
     };
     let mut scratch = Scratch::default();
-    for ray in rays {
+    let (closest, any) = match question {
+        Question::ClosestTogether => (tracer.closest_many(rays, &mut scratch), Vec::new()),
+        Question::AnyTogether => (Vec::new(), tracer.occluded_many(rays, &mut scratch)),
+        _ => (Vec::new(), Vec::new()),
+    };
+    for (i, ray) in rays.iter().enumerate() {
         match question {
-            Question::Closest => {
-                let answer = tracer.closest(ray, &mut scratch);
+            Question::Closest | Question::ClosestTogether => {
+                let answer = match question {
+                    Question::Closest => tracer.closest(ray, &mut scratch),
+                    _ => closest[i],
+                };
                 tally.hits += usize::from(answer.is_some());
                 let verdict = excuse::judge_closest(oracle, ray, answer.as_ref());
                 tally.count(verdict, |fault| {
@@ -152,8 +186,11 @@ fn examine_part(tracer: &impl Tracer, oracle: &Oracle, rays: &[Ray], question: Q
                     format!("{fault:?}: {ray:?} gave {answer:?}, expected {expected:?}")
                 });
             }
-            Question::Any => {
-                let answer = tracer.occluded(ray, &mut scratch);
+            Question::Any | Question::AnyTogether => {
+                let answer = match question {
+                    Question::Any => tracer.occluded(ray, &mut scratch),
+                    _ => any[i],
+                };
                 tally.hits += usize::from(answer);
                 let verdict = excuse::judge_occluded(oracle, ray, answer);
                 tally.count(verdict, |fault| {

@@ -126,6 +126,27 @@ pub fn grazing(oracle: &Oracle, points: &[SurfacePoint], seed: u64) -> Vec<Ray> 
     points.iter().enumerate().map(graze).collect()
 }
 
+/// Rays per bundle of [`bundles`].
+pub const BUNDLE: usize = 16;
+
+/// Every ray with fifteen companions from the same start that point almost the same way, between
+/// nearly parallel and a few degrees apart.
+pub fn bundles(rays: &[Ray], seed: u64) -> Vec<Ray> {
+    let turned = |i: usize, k: usize| {
+        let mut random = Stream::new(seed, (i * BUNDLE + k) as u64);
+        let spread = Stream::new(seed + 1, i as u64).log_range(1e-7, 5e-2);
+        let direction = rays[i].direction;
+        let off = random.direction() * (direction.length() * spread * random.unit());
+        Ray {
+            direction: if k == 0 { direction } else { direction + off },
+            ..rays[i]
+        }
+    };
+    (0..rays.len() * BUNDLE)
+        .map(|index| turned(index / BUNDLE, index % BUNDLE))
+        .collect()
+}
+
 /// Rays from inside the surface in all directions, every second one with its side stated.
 pub fn inside(oracle: &Oracle, points: &[SurfacePoint], seed: u64) -> Vec<Ray> {
     let spacing = f64::from(oracle.field().spacing);

@@ -80,6 +80,23 @@ pub fn grazing_rays(engine: Engine) {
     });
 }
 
+/// Bundles of rays that lie close together, asked about at once.
+///
+/// # Panics
+/// On any real error.
+pub fn bundles(engine: Engine) {
+    let questions = [Question::ClosestTogether, Question::AnyTogether];
+    check(engine, &corpus::suite(), &questions, |stage| {
+        let some = &stage.points[..stage.points.len().min(60)];
+        let mut all = rays::primary(stage.oracle, 8, EYES[0]);
+        all.extend(rays::hemisphere(some, 45));
+        all.extend(rays::shadow(some, DVec3::new(0.4, 0.8, 0.2).normalize()));
+        all.extend(rays::grazing(stage.oracle, some, 46));
+        all.extend(rays::inside(stage.oracle, some, 47));
+        rays::bundles(&all, 48)
+    });
+}
+
 /// Rays from inside, with and without their side stated.
 ///
 /// # Panics
@@ -126,7 +143,13 @@ pub fn evil_sets_within_f32(engine: Engine) {
 }
 
 fn evil_scenes(engine: Engine, scenes: &[Scene]) {
-    let questions = [Question::Closest, Question::Any, Question::All];
+    let questions = [
+        Question::Closest,
+        Question::ClosestTogether,
+        Question::Any,
+        Question::AnyTogether,
+        Question::All,
+    ];
     check(engine, scenes, &questions, |stage| {
         let mut all = rays::evil(stage.oracle, &stage.points, 71);
         for eye in EYES {

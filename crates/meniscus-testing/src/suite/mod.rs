@@ -4,8 +4,8 @@
 mod checks;
 
 pub use checks::{
-    all_crossings, any_hit, evil_rays, evil_sets, evil_sets_within_f32, grazing_rays, inside_rays,
-    ordinary_rays, same_for_any_number_of_threads, shadow_rays,
+    all_crossings, any_hit, bundles, evil_rays, evil_sets, evil_sets_within_f32, grazing_rays,
+    inside_rays, ordinary_rays, same_for_any_number_of_threads, shadow_rays,
 };
 
 use crate::corpus::Scene;
@@ -24,7 +24,7 @@ use meniscus::math::simd::{Level, SimdLevel, level_name};
 macro_rules! engine_suite {
     ($name:ident, $engine:expr) => {
         $crate::engine_suite!($name, $engine; ordinary_rays shadow_rays grazing_rays inside_rays
-            evil_rays evil_sets any_hit all_crossings same_for_any_number_of_threads);
+            bundles evil_rays evil_sets any_hit all_crossings same_for_any_number_of_threads);
     };
     ($name:ident, $engine:expr; $($check:ident)*) => {
         mod $name {

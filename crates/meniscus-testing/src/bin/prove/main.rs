@@ -187,12 +187,28 @@ fn prove(blobs: &Blobs, scene: &Scene, share: usize, seed: u64) -> Vec<(&'static
         &some(share / 10, seed + 40),
         DVec3::new(0.4, 0.8, -0.3).normalize(),
     );
+    let mut bases = rays::hemisphere(&some(share / 80, seed + 50), seed + 51);
+    bases.extend(rays::grazing(
+        &oracle,
+        &some(share / 160, seed + 52),
+        seed + 53,
+    ));
+    bases.extend(shadow.iter().take(share / 80));
+    bases.extend(primary.iter().step_by(40));
+    let bundles = rays::bundles(&bases, seed + 54);
+    let together = |question| examine(blobs, &oracle, &bundles, question);
+    let (bundles_closest, bundles_any) = (
+        together(Question::ClosestTogether),
+        together(Question::AnyTogether),
+    );
     vec![
         ("primary", ask(primary)),
         ("hemisphere", ask(hemisphere)),
         ("grazing", ask(grazing)),
         ("inside", ask(inside)),
         ("any hit", examine(blobs, &oracle, &shadow, Question::Any)),
+        ("bundles", bundles_closest),
+        ("bundles, any hit", bundles_any),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! Builds the binary tree of cells: split at midpoints, drop what is proven empty or solid.
 
-use super::filter::{BlobList, FieldBounds, filter};
+use super::filter::{self, BlobList, FieldBounds, filter};
 use super::layout::Block;
 use super::leaf::finish_leaf;
 use crate::kernel::KernelShape;
@@ -26,6 +26,9 @@ const PARALLEL_BLOBS: usize = 8192;
 
 /// Splits in a row, one per axis, that may leave both children's lists as long as the parent's.
 const STALLED_SPLITS: u32 = 3;
+
+/// Where the field at a cell's centre is this many times the threshold, the cell probably is solid.
+const DEEP: f32 = 1.5;
 
 /// Cells below this side, in supports, try bounds of second order.
 const CLOSE_SIDE: f32 = 2.0;
@@ -123,7 +126,8 @@ fn halves(cell: Aabb) -> (usize, [Aabb; 2]) {
     (axis, halves)
 }
 
-fn is_leaf<P: Primitive>(
+fn is_leaf<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
     list: &BlobList,
     cell: Aabb,
     stalled: u32,
@@ -133,12 +137,18 @@ fn is_leaf<P: Primitive>(
     let support = smallest_support::<P>(list);
     let side = cell.size().max_element();
     let rule = &context.rule;
-    (list.count <= rule.few_blobs && side < rule.few_side * support)
-        || side < rule.smallest_side * support
+    if side < rule.smallest_side * support
         || stalled >= STALLED_SPLITS
         // Smaller cells would drown in their own rounding margin.
         || side < 32.0 * context.pad
         || depth >= MAX_DEPTH
+    {
+        return true;
+    }
+    // Deep inside, smaller cells will soon be proven solid and cost nothing.
+    list.count <= rule.few_blobs
+        && side < rule.few_side * support
+        && filter::field_value::<S, K, P>(simd, list, cell.center()) < DEEP * context.threshold
 }
 
 /// Builds the subtree of `cell`, whose blobs are `list`; forks threads while the list is long.
@@ -150,7 +160,8 @@ pub(super) fn build_parallel<S: Simd, K: KernelShape, P: Primitive>(
     stalled: u32,
     depth: u32,
 ) -> Subtree {
-    if list.count <= PARALLEL_BLOBS || is_leaf::<P>(list, cell, stalled, depth, context) {
+    if list.count <= PARALLEL_BLOBS || is_leaf::<S, K, P>(simd, list, cell, stalled, depth, context)
+    {
         let mut builder = Builder::<K, P>::new(context);
         let root = builder.build(simd, cell, list, stalled, depth);
         let parts = if root.is_some() {
@@ -253,7 +264,7 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
         stalled: u32,
         depth: u32,
     ) -> Option<BinaryNode> {
-        if is_leaf::<P>(list, cell, stalled, depth, self.context) {
+        if is_leaf::<S, K, P>(simd, list, cell, stalled, depth, self.context) {
             let (context, part, buffers) = (self.context, &mut self.part, &mut self.leaf_buffers);
             return finish_leaf::<S, K, P>(simd, context, cell, list, buffers, &mut part.blocks)
                 .map(|(bounds, block)| BinaryNode::Leaf {

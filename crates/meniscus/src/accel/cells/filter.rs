@@ -242,6 +242,40 @@ pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
     )
 }
 
+/// The field of `list` at a point.
+#[inline(never)]
+pub(super) fn field_value<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
+    list: &BlobList,
+    point: Vec3,
+) -> f32 {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let zero = f32x16::splat(simd, 0.0);
+            let point: [f32x16<S>; 3] = splat3(simd, point.to_array());
+            let mut sum = zero;
+            for at in (0..list.count).step_by(LANES) {
+                let mut shape = [zero; 6];
+                for k in 0..P::COLUMNS {
+                    shape[k] = lanes_at(simd, &list.columns, SHAPE_AT + k, at);
+                }
+                let y = P::transform(
+                    &shape[..P::COLUMNS],
+                    xyz(
+                        #[inline(always)]
+                        |k| point[k] - lanes_at(simd, &list.columns, k, at),
+                    ),
+                );
+                let g = (dot(y, y) * -1.0 + 1.0).max(zero);
+                let weight = lanes_at(simd, &list.columns, SHAPE_AT + P::COLUMNS, at);
+                sum = Number::mul_add(weight, K::of_g(g), sum);
+            }
+            sum.reduce_sum()
+        },
+    )
+}
+
 /// Writes the blobs of `from` that reach `bounds` to `to` and returns the field's bounds there. With
 /// `close` the bounds include those of second order about the centre, worth their cost once the box
 /// is no larger than the supports.

@@ -82,7 +82,7 @@ fn default_rule(field: &BlobField) -> BuildRule {
         / field.len() as f64;
     if supports > 1.5 * f64::from(field.spacing) {
         BuildRule {
-            few_blobs: 32,
+            few_blobs: 128,
             few_side: 2.0,
             smallest_side: 0.7,
         }

@@ -155,8 +155,12 @@ impl<'a> Leaf<'a> {
                 job,
                 active,
                 (todo, at_start),
-                length,
-                gathered.rise,
+                (length, gathered.rise),
+                origin[0]
+                    .abs()
+                    .max(origin[1].abs())
+                    .max(origin[2].abs())
+                    .max(length),
             );
             alone |= unclear;
             done = crossed;

@@ -16,6 +16,10 @@ const MOST_STEPS: usize = 48;
 /// Below this part of the threshold φ may be rounding.
 const NOISE: f32 = 1e-5;
 
+/// Rounding of positions in a leaf, in parts of their size, times a margin for the steepness of a
+/// field that is known only by its curvature.
+const POSITION_NOISE: f32 = 2e-6;
+
 /// What stepping found.
 pub(super) struct Stepped<S: Simd> {
     /// Lanes with a crossing.
@@ -27,19 +31,18 @@ pub(super) struct Stepped<S: Simd> {
 }
 
 /// First crossings on [0, length] of the lanes of `todo`, which travel outside; those of `at_start`
-/// may be at their own start. `rise` bounds φ″.
+/// may be at their own start. `rise` bounds |φ″|, `extent` the coordinates.
 #[inline(always)]
 pub(super) fn first_crossings<S: Simd, K: KernelShape>(
     simd: S,
     job: &Job,
     active: &ActiveLanes,
     (todo, at_start): (u32, u32),
-    length: f32x16<S>,
-    rise: f32x16<S>,
+    (length, rise): (f32x16<S>, f32x16<S>),
+    extent: f32x16<S>,
 ) -> Stepped<S> {
     let zero = f32x16::splat(simd, 0.0);
     let tolerance = f32x16::splat(simd, job.tolerance);
-    let noise = NOISE * job.threshold.max(1.0);
     // A field that cannot bend upwards still gets a finite step.
     let rise = rise.max(f32x16::splat(simd, 1e-20));
     let mut at = zero;
@@ -57,10 +60,10 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape>(
             // Leaving the surface, φ falls at least to the parabola's lowest point.
             let lowest = slope / -rise;
             let depth = phi + slope * lowest * 0.5;
-            let near_surface = phi.simd_gt(f32x16::splat(simd, -noise)).to_bitmask() as u32;
-            let leaves = depth
-                .simd_lt(f32x16::splat(simd, -4.0 * noise))
-                .to_bitmask() as u32
+            let scale = job.threshold.max(1.0);
+            let noise = (rise * scale).sqrt() * extent * POSITION_NOISE + NOISE * scale;
+            let near_surface = (phi + noise).simd_gt(zero).to_bitmask() as u32;
+            let leaves = (depth + noise * 4.0).simd_lt(zero).to_bitmask() as u32
                 & !(inwards.to_bitmask() as u32);
             let leaving = at_start & near_surface & leaves;
             unclear |= at_start & near_surface & !leaves;
@@ -70,6 +73,10 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape>(
         }
         let next = at + delta;
         let close = delta.simd_le(tolerance).to_bitmask() as u32;
+        // Steep enough for the crossing to be there: φ reaches 0 before it can bend back.
+        let steep = slope.simd_gt(rise * delta * 4.0).to_bitmask() as u32;
+        unclear |= rest & close & !beyond & !steep;
+        rest &= !unclear;
         let found = rest & (beyond | close);
         if found != 0 {
             let place = phi.simd_ge(zero).select(at, next).min(length);
