@@ -18,6 +18,9 @@ pub struct BuildRule {
     pub few_side: f32,
     /// A cell below this side is a leaf however many blobs it has.
     pub smallest_side: f32,
+    /// A cell whose field at the centre is this many times the threshold probably is solid, and is
+    /// split down to `smallest_side`.
+    pub deep: f32,
 }
 
 /// Lists longer than this are split on several threads. Fixed, so that the tree does not depend on
@@ -26,9 +29,6 @@ const PARALLEL_BLOBS: usize = 8192;
 
 /// Splits in a row, one per axis, that may leave both children's lists as long as the parent's.
 const STALLED_SPLITS: u32 = 3;
-
-/// Where the field at a cell's centre is this many times the threshold, the cell probably is solid.
-const DEEP: f32 = 1.5;
 
 /// Cells below this side, in supports, try bounds of second order.
 const CLOSE_SIDE: f32 = 2.0;
@@ -148,7 +148,7 @@ fn is_leaf<S: Simd, K: KernelShape, P: Primitive>(
     // Deep inside, smaller cells will soon be proven solid and cost nothing.
     list.count <= rule.few_blobs
         && side < rule.few_side * support
-        && filter::field_value::<S, K, P>(simd, list, cell.center()) < DEEP * context.threshold
+        && filter::field_value::<S, K, P>(simd, list, cell.center()) < rule.deep * context.threshold
 }
 
 /// Builds the subtree of `cell`, whose blobs are `list`; forks threads while the list is long.

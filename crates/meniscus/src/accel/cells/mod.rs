@@ -74,6 +74,7 @@ fn default_rule(field: &BlobField) -> BuildRule {
             few_blobs: 128,
             few_side: 4.0,
             smallest_side: 1.5,
+            deep: f32::INFINITY,
         };
     }
     let supports = (0..field.len())
@@ -85,12 +86,14 @@ fn default_rule(field: &BlobField) -> BuildRule {
             few_blobs: 128,
             few_side: 2.0,
             smallest_side: 0.7,
+            deep: 1.5,
         }
     } else {
         BuildRule {
             few_blobs: 64,
             few_side: 4.0,
             smallest_side: 1.0,
+            deep: f32::INFINITY,
         }
     }
 }
