@@ -294,16 +294,14 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     } = &mut scratch.cells;
     let counters = &mut scratch.counters;
     let direction = ray.direction.as_vec3().to_array();
-    let just_behind = f64::from(T_TOLERANCE_SPACINGS * blobs.field.spacing);
-    let solver = Solver {
+    let tolerance = T_TOLERANCE_SPACINGS * blobs.field.spacing;
+    let mut solver = Solver {
         threshold: blobs.field.threshold,
         inside: ray.inside,
-        tolerance: match question {
-            Question::First => T_TOLERANCE_SPACINGS * blobs.field.spacing,
-            Question::Any => f32::INFINITY,
-        },
+        tolerance,
     };
     let start_margin = start_margin(cells);
+    let start = OwnStart::new(blobs, ray);
     // Whether the ray is known to have been on the side that it is said to start on.
     let mut on_stated_side = ray.side_is_proven && !ray.starts_at_t_min;
     let mut first_leaf = true;
@@ -344,43 +342,56 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                         return false;
                     }
                     let away_from_start = near > start_margin || !ray.starts_at_t_min;
-                    let mut entry = if ray.side_is_proven || (on_stated_side && away_from_start) {
+                    let entry = if ray.side_is_proven || (on_stated_side && away_from_start) {
                         Entry::Confirmed
                     } else if away_from_start {
                         Entry::Returning
                     } else {
                         Entry::Unconfirmed
                     };
+                    if question == Question::Any && f64::from(near) > start.reach {
+                        // That there is a crossing is enough.
+                        solver.tolerance = f32::INFINITY;
+                    }
+                    let mut segment = Segment {
+                        from: 0.0,
+                        length,
+                        entry,
+                    };
+                    let mut stride = start.stride;
                     loop {
-                        let segment = Segment { length, entry };
                         let crossing =
                             match solver.first_crossing::<S, K>(simd, active, pending, segment) {
                                 Verdict::Crossing(s) => s,
-                                Verdict::Unclear => {
-                                    let is_inside = |s: f64| {
-                                        let at = ray.origin + ray.direction * s;
-                                        blobs.field.side(at) == Side::Inside
-                                    };
-                                    if is_inside(0.0) != ray.inside
-                                        || is_inside(just_behind) == ray.inside
-                                    {
-                                        entry = Entry::Returning;
-                                        continue;
-                                    }
-                                    0.0
-                                }
+                                Verdict::Unclear => segment.from,
                                 Verdict::StaysOnSide => {
                                     on_stated_side = true;
                                     return false;
                                 }
                                 Verdict::NeverOnSide => return false,
                             };
-                        found = Some(Found {
-                            t: f64::from(near) + f64::from(crossing),
-                            block,
-                            entering: !solver.inside,
-                        });
-                        return true;
+                        let t = f64::from(near) + f64::from(crossing);
+                        if start.is_sure(blobs, ray, t) {
+                            found = Some(Found {
+                                t,
+                                block,
+                                entering: !solver.inside,
+                            });
+                            return true;
+                        }
+                        segment.from = crossing + stride;
+                        stride *= 2.0;
+                        on_stated_side =
+                            is_inside(blobs, ray, f64::from(near) + f64::from(segment.from))
+                                == ray.inside;
+                        if segment.from >= length {
+                            return false;
+                        }
+                        segment.entry = if on_stated_side {
+                            Entry::Confirmed
+                        } else {
+                            Entry::Returning
+                        };
                     }
                 },
             )
@@ -388,6 +399,55 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     );
     counters.nodes += nodes;
     found
+}
+
+/// Whether float64 sees the point `along` the stretch inside.
+fn is_inside(blobs: &Blobs, ray: &LocalRay, along: f64) -> bool {
+    blobs.field.side(ray.origin + ray.direction * along) == Side::Inside
+}
+
+/// Up to this distance from a ray's own start, in spacings, a crossing has to be seen in float64: in
+/// f32 a ray that leaves the surface at a grazing angle cannot be told from one that enters.
+const NEAR_START_SPACINGS: f64 = 1e-2;
+
+/// The neighbourhood of the start of a ray that states its side there.
+struct OwnStart {
+    /// Crossings at smaller distances need float64; negative where none does.
+    reach: f64,
+    /// Accuracy of a crossing.
+    tolerance: f64,
+    /// How far behind a crossing that is not there the search goes on at first.
+    stride: f32,
+}
+
+impl OwnStart {
+    fn new(blobs: &Blobs, ray: &LocalRay) -> Self {
+        let spacing = blobs.field.spacing;
+        Self {
+            reach: if ray.starts_at_t_min && !ray.side_is_proven {
+                NEAR_START_SPACINGS * f64::from(spacing)
+            } else {
+                -1.0
+            },
+            tolerance: f64::from(T_TOLERANCE_SPACINGS * spacing),
+            stride: 16.0 * T_TOLERANCE_SPACINGS * spacing,
+        }
+    }
+
+    /// Whether a crossing at `t` is one: the field is on the stated side before it and on the other
+    /// behind it.
+    fn is_sure(&self, blobs: &Blobs, ray: &LocalRay, t: f64) -> bool {
+        if t > self.reach {
+            return true;
+        }
+        let beyond = |along: f64| is_inside(blobs, ray, along) != ray.inside;
+        [0.0, 0.5 * t, t - self.tolerance]
+            .into_iter()
+            .any(|before| before >= 0.0 && !beyond(before))
+            && [1.0, 4.0, 16.0]
+                .into_iter()
+                .any(|steps| beyond(t + steps * self.tolerance))
+    }
 }
 
 /// The blobs of the leaf at `block`, chunk after chunk.

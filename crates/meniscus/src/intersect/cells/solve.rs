@@ -68,6 +68,9 @@ pub(super) enum Entry {
 /// What to search.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Segment {
+    /// Where the search begins.
+    pub(super) from: f32,
+    /// Where it ends.
     pub(super) length: f32,
     pub(super) entry: Entry,
 }
@@ -207,8 +210,8 @@ impl Solver {
         // While `returning` the search is for the side that the ray is said to start on: φ is
         // negated, and what is found is where the search proper begins.
         let mut returning = segment.entry != Entry::Confirmed;
-        let mut start = (0.0, segment.length);
-        if !self.inside && !returning && active.count <= LANES {
+        let mut start = (segment.from, segment.length);
+        if !self.inside && !returning && segment.from == 0.0 && active.count <= LANES {
             if active.count == 1 {
                 return self.lone_blob::<K>(active, segment.length);
             }

@@ -162,6 +162,13 @@ impl<'a> Leaf<'a> {
                     .max(origin[2].abs())
                     .max(length),
             );
+            let at_own_start = (near + at)
+                .simd_lt(f32x16::splat(simd, job.near_start))
+                .to_bitmask() as u32
+                & lanes.starts_at_t_min
+                & !lanes.side_is_proven;
+            let unclear = unclear | crossed & at_own_start;
+            let crossed = crossed & !unclear;
             alone |= unclear;
             done = crossed;
             lanes.on_stated_side |= todo & !crossed & !unclear;

@@ -9,7 +9,7 @@ mod leaf;
 mod step;
 mod visit;
 
-use super::{LocalRay, T_TOLERANCE_SPACINGS, specialised, start_margin};
+use super::{LocalRay, NEAR_START_SPACINGS, T_TOLERANCE_SPACINGS, specialised, start_margin};
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::traverse::SlabRay;
@@ -88,6 +88,8 @@ struct Job {
     tolerance: f32,
     /// A leaf entered this close to t_min may hold the start although rounding says otherwise.
     start_margin: f32,
+    /// Up to this distance from its own start a ray with a stated side is traced alone.
+    near_start: f32,
     /// Only whether there is a crossing is asked for.
     any: bool,
 }
@@ -220,6 +222,7 @@ fn trace_lanes<S: Simd, K: KernelShape, P: Primitive>(
         threshold: blobs.field.threshold,
         tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
         start_margin: start_margin(cells),
+        near_start: NEAR_START_SPACINGS as f32 * blobs.field.spacing,
         any,
     };
     let PacketScratch { stack, active } = &mut scratch.cells.packet;
