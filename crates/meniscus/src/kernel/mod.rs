@@ -14,7 +14,7 @@ pub use quartic::Quartic;
 pub use sextic::Sextic;
 pub use wyvill::Wyvill;
 
-use crate::math::number::{F64, Number};
+use crate::math::number::Number;
 use serde::{Deserialize, Serialize};
 
 /// The formula of one kernel, as the engines are compiled against it. `g = 1 − q`, never negative:
@@ -104,14 +104,14 @@ impl Kernel {
 
     /// k(q) in float64; 0 for q ≥ 1.
     pub fn value(self, q: f64) -> f64 {
-        let g = F64((1.0 - q).max(0.0));
-        with_kernel!(self, K => K::of_g(g)).0
+        let g = (1.0 - q).max(0.0);
+        polynomial(self.coefficients_in_g(), g, |_| 1.0)
     }
 
     /// dk/dq in float64; 0 for q ≥ 1.
     pub fn derivative(self, q: f64) -> f64 {
-        let g = F64((1.0 - q).max(0.0));
-        -with_kernel!(self, K => K::slope(g)).0
+        let g = (1.0 - q).max(0.0);
+        -polynomial(&self.coefficients_in_g()[1..], g, |power| power + 1.0)
     }
 
     /// d²k/dq² in float64; 0 for q ≥ 1.
@@ -119,13 +119,22 @@ impl Kernel {
         if q >= 1.0 {
             return 0.0;
         }
-        with_kernel!(self, K => K::curvature(F64(1.0 - q))).0
+        let coefficients = &self.coefficients_in_g()[2..];
+        polynomial(coefficients, 1.0 - q, |power| (power + 1.0) * (power + 2.0))
     }
 
     /// k⁻¹: the q with k(q) = `value`; `None` unless 0 < `value` < 1.
     pub fn q_at(self, value: f64) -> Option<f64> {
         (value > 0.0 && value < 1.0).then(|| 1.0 - with_kernel!(self, K => K::g_at(value)))
     }
+}
+
+/// Σ factor(i)·cᵢ·gⁱ. In the coefficients' own float64: the formulas for lanes hold theirs in f32.
+fn polynomial(coefficients: &[f64], g: f64, factor: impl Fn(f64) -> f64) -> f64 {
+    coefficients
+        .iter()
+        .enumerate()
+        .rfold(0.0, |sum, (i, c)| sum * g + factor(i as f64) * c)
 }
 
 #[cfg(test)]

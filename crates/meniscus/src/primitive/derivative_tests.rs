@@ -25,10 +25,11 @@ fn slope_and_curvature_are_the_derivatives_of_the_formula() {
                 (formula.hessian[0][0] - curvature).abs() < 2e-6,
                 "{kernel:?} curvature at {at}"
             );
+            // The formulas for lanes hold their constants in f32.
             let q = 1.0 - at;
-            assert!((kernel.derivative(q) + slope).abs() < 1e-12);
+            assert!((kernel.derivative(q) + slope).abs() < 2e-7);
             let expected = if at > 0.0 { curvature } else { 0.0 };
-            assert!((kernel.second_derivative(q) - expected).abs() < 1e-12);
+            assert!((kernel.second_derivative(q) - expected).abs() < 1e-6);
         }
     }
 }

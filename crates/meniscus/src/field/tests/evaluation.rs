@@ -2,13 +2,12 @@
 
 use super::{build, pool, random, unit, with_columns};
 use crate::field::{BlobField, Contribution};
-use crate::kernel::{Kernel, KernelShape};
+use crate::kernel::Kernel;
 use crate::math::dual::Dual;
 use crate::math::ray::Side;
 use crate::particles::{Column, Particles};
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
 use crate::scene::surface::{BlobSettings, Weights};
-use crate::with_kernel;
 use glam::{DMat3, DVec3};
 
 /// The metric of particle i, as 1/R² or as a column of six.
@@ -316,7 +315,9 @@ fn dual_value(field: &BlobField, local: DVec3) -> Dual<3> {
         if q.value >= 1.0 {
             return sum;
         }
-        let k = with_kernel!(field.kernel, K => K::of_g(q * -1.0 + 1.0));
+        let g = q * -1.0 + 1.0;
+        let coefficients = field.kernel.coefficients_in_g().iter().rev();
+        let k = coefficients.fold(Dual::constant(0.0), |sum, &c| sum * g + Dual::constant(c));
         sum + k * Dual::constant(f64::from(field.weights[i]))
     })
 }

@@ -301,7 +301,7 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
         tolerance,
     };
     let start_margin = start_margin(cells);
-    let start = OwnStart::new(blobs, ray);
+    let start = OwnStart::new(blobs, cells, ray);
     // Whether the ray is known to have been on the side that it is said to start on.
     let mut on_stated_side = ray.side_is_proven && !ray.starts_at_t_min;
     let mut first_leaf = true;
@@ -408,7 +408,16 @@ fn is_inside(blobs: &Blobs, ray: &LocalRay, along: f64) -> bool {
 
 /// Up to this distance from a ray's own start, in spacings, a crossing has to be seen in float64: in
 /// f32 a ray that leaves the surface at a grazing angle cannot be told from one that enters.
-const NEAR_START_SPACINGS: f64 = 1e-2;
+const NEAR_START_SPACINGS: f32 = 1e-2;
+
+/// Steps in which float64 looks about a crossing near the start, in parts of that distance.
+const TOLERANCE_PER_REACH: f32 = T_TOLERANCE_SPACINGS / NEAR_START_SPACINGS;
+
+/// Distance from a ray's own start within which crossings need float64: [`NEAR_START_SPACINGS`], or
+/// what f32 cannot resolve where blobs are far smaller than the scene.
+fn near_start(blobs: &Blobs, cells: &Cells) -> f32 {
+    (NEAR_START_SPACINGS * blobs.field.spacing).max(8.0 * start_margin(cells))
+}
 
 /// The neighbourhood of the start of a ray that states its side there.
 struct OwnStart {
@@ -421,16 +430,16 @@ struct OwnStart {
 }
 
 impl OwnStart {
-    fn new(blobs: &Blobs, ray: &LocalRay) -> Self {
-        let spacing = blobs.field.spacing;
+    fn new(blobs: &Blobs, cells: &Cells, ray: &LocalRay) -> Self {
+        let near = near_start(blobs, cells);
         Self {
             reach: if ray.starts_at_t_min && !ray.side_is_proven {
-                NEAR_START_SPACINGS * f64::from(spacing)
+                f64::from(near)
             } else {
                 -1.0
             },
-            tolerance: f64::from(T_TOLERANCE_SPACINGS * spacing),
-            stride: 16.0 * T_TOLERANCE_SPACINGS * spacing,
+            tolerance: f64::from(near * TOLERANCE_PER_REACH),
+            stride: 16.0 * near * TOLERANCE_PER_REACH,
         }
     }
 

@@ -18,6 +18,9 @@ const PENDING: usize = 40;
 /// Relative rounding of a sum of kernels in f32: below this φ has no sign.
 const NOISE: f32 = 4e-7;
 
+/// Relative rounding of a slope, with a margin.
+const SLOPE_NOISE: f32 = 1e-5;
+
 /// Where the samples lie on an interval of which nothing is known: evenly, k/15 of the way.
 const EVEN: [f32; LANES] = {
     let mut offsets = [0.0; LANES];
@@ -108,8 +111,8 @@ pub(super) enum Verdict {
     Crossing(f32),
     /// No crossing; the ray was seen on its side.
     StaysOnSide,
-    /// The samples begin on the other side and stay there: whether the ray crosses at its very
-    /// start or was said to be where it is not takes float64 to tell.
+    /// The samples begin on the other side, and the ray does not clearly return from there: whether
+    /// it crosses at its very start or was said to be where it is not takes float64 to tell.
     Unclear,
     /// No crossing: the whole segment lies on the other side (by rounding, or a wrong statement).
     NeverOnSide,
@@ -167,6 +170,25 @@ impl Solver {
         }
         let above = even + odd - self.threshold;
         if self.inside { -above } else { above }
+    }
+
+    /// Whether φ falls at a point, by more than its slope's rounding.
+    #[inline(always)]
+    fn falls_at<S: Simd, K: KernelShape>(&self, simd: S, active: &Active, at: f32) -> bool {
+        let zero = f32x16::splat(simd, 0.0);
+        let (mut slope, mut size) = (zero, zero);
+        for first in (0..active.count).step_by(LANES) {
+            let [c, beta, g0, weight] = active.lanes(simd, first);
+            let away = f32x16::splat(simd, at) - c;
+            let pull = away * beta;
+            let g = (g0 - pull * away).max(zero);
+            let term = weight * K::slope(g) * pull;
+            slope -= term;
+            size += term.abs();
+        }
+        let slope = slope.reduce_sum();
+        let slope = if self.inside { -slope } else { slope };
+        slope < -SLOPE_NOISE * size.reduce_sum()
     }
 
     /// Bounds (−φ″, +φ″) over [from, to], from the blobs whose support meets it.
@@ -264,7 +286,8 @@ impl Solver {
                     (phi, returning) = (-phi, false);
                 } else if returning
                     && segment.entry == Entry::Unconfirmed
-                    && phi.simd_ge(zero).to_bitmask() & 2 == 0
+                    && (phi.simd_ge(zero).to_bitmask() & 2 == 0
+                        || !self.falls_at::<S, K>(simd, active, from))
                 {
                     return Verdict::Unclear;
                 }

@@ -9,7 +9,7 @@ mod leaf;
 mod step;
 mod visit;
 
-use super::{LocalRay, NEAR_START_SPACINGS, T_TOLERANCE_SPACINGS, specialised, start_margin};
+use super::{LocalRay, T_TOLERANCE_SPACINGS, near_start, specialised, start_margin};
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::traverse::SlabRay;
@@ -222,7 +222,7 @@ fn trace_lanes<S: Simd, K: KernelShape, P: Primitive>(
         threshold: blobs.field.threshold,
         tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
         start_margin: start_margin(cells),
-        near_start: NEAR_START_SPACINGS as f32 * blobs.field.spacing,
+        near_start: near_start(blobs, cells),
         any,
     };
     let PacketScratch { stack, active } = &mut scratch.cells.packet;
