@@ -19,6 +19,10 @@ pub(crate) struct SurfaceArgs {
     /// Support radius R of every particle; overrides all radii
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     pub support: Option<f64>,
+    /// Column with the metric tensor of ellipsoids, six or nine components; replaces all radii
+    /// [default: a column named metric, if there is one]
+    #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
+    pub metric: Option<String>,
     /// R over the radius with volume weights [default: 4]
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     pub smoothing: Option<f64>,

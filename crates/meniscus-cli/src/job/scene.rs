@@ -27,6 +27,9 @@ fn apply_to_surface(args: &SurfaceArgs, kernel: Option<Kernel>, surface: &mut Su
         surface.support = args.support;
         surface.radius = None;
     }
+    if args.metric.is_some() {
+        surface.metric.clone_from(&args.metric);
+    }
     surface.smoothing = args.smoothing.or(surface.smoothing);
     surface.threshold = args.threshold.or(surface.threshold);
     surface.kernel = kernel.or(surface.kernel);

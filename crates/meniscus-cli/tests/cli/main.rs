@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod bench;
+mod exact;
 mod generate;
 mod info;
 mod interrupt;

@@ -28,6 +28,42 @@ fn pictures_are_the_same_bit_for_bit_with_any_number_of_threads() {
 }
 
 #[test]
+fn a_real_frame_is_the_same_bit_for_bit_with_any_number_of_threads() {
+    let frame = "fluid/splishsplash_crown/ParticleData_Fluid_36.vtk";
+    let Some(frame) = meniscus_testing::data::file(frame) else {
+        return;
+    };
+    let folder = Folder::new();
+    let frame = frame.canonicalize().unwrap();
+    for (threads, name) in [(1, "a"), (2, "b"), (8, "c"), (8, "d")] {
+        folder.done(&format!(
+            "render '{}' -o {name}.exr --size 160x90 --threads {threads} --aov all --ground",
+            frame.display()
+        ));
+    }
+    for other in ["b", "c", "d"] {
+        let same = folder.read("a.exr") == folder.read(&format!("{other}.exr"));
+        assert!(same, "{other}.exr differs");
+    }
+}
+
+#[test]
+fn the_metric_column_can_be_named() {
+    let folder = Folder::new();
+    let header = "x,y,z,flat_xx,flat_xy,flat_xz,flat_yy,flat_yz,flat_zz";
+    let rows = "0,0,0,4,0,0,16,0,4\n0.5,0,0,4,0,0,16,0,4\n";
+    folder.write("p.csv", format!("{header}\n{rows}"));
+    folder.done(&format!("render p.csv -o round.png {SMALL} --support 0.5"));
+    folder.done(&format!("render p.csv -o flat.png {SMALL} --metric flat"));
+    assert_ne!(folder.read("round.png"), folder.read("flat.png"));
+    folder.fails(
+        &format!("render p.csv -o out.png {SMALL} --metric missing"),
+        2,
+        &["missing"],
+    );
+}
+
+#[test]
 fn stats_have_exactly_the_keys_of_the_contract() {
     let folder = Folder::with_water();
     folder.done(&format!(

@@ -291,19 +291,22 @@ fn coloring(color_by: &str, surface: &Surface, field: &BlobField) -> Result<Colo
     })
 }
 
-/// Smallest and largest finite value; 0 and 1 if there is none.
+/// Part of the finite values left beyond each end of an automatic colour range, so that a few stray
+/// particles do not take the colours from all others.
+const RANGE_TAIL: f64 = 0.01;
+
+/// The finite values without [`RANGE_TAIL`] at either end; 0 and 1 if there is none.
 fn value_range(attribute: &FieldAttribute, component: Component) -> [f32; 2] {
-    let range = attribute
+    let mut values: Vec<f32> = attribute
         .data
         .chunks_exact(attribute.components.max(1))
         .map(|value| component.of(value))
         .filter(|number| number.is_finite())
-        .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], number| {
-            [low.min(number), high.max(number)]
-        });
-    if range[0] <= range[1] {
-        range
-    } else {
-        [0.0, 1.0]
+        .collect();
+    if values.is_empty() {
+        return [0.0, 1.0];
     }
+    let last = values.len() - 1;
+    let tail = (RANGE_TAIL * last as f64) as usize;
+    [tail, last - tail].map(|rank| *values.select_nth_unstable_by(rank, f32::total_cmp).1)
 }

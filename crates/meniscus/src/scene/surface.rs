@@ -180,7 +180,8 @@ pub struct Surface {
     /// Colour map; unset, viridis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_map: Option<ColorMap>,
-    /// Values at the two ends of the colour map; unset, the smallest and largest of the frame.
+    /// Values at the two ends of the colour map; unset, those of the frame without the
+    /// lowest and highest hundredth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_range: Option<[f64; 2]>,
     /// Name of the material.
