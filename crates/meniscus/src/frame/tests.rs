@@ -145,6 +145,27 @@ fn colour_by_attribute_takes_magnitude_component_and_fixed_range() {
 }
 
 #[test]
+fn strays_do_not_stretch_the_automatic_colour_range() {
+    let scene = scene_of(vec![Surface {
+        color_by: Some("speed".to_owned()),
+        ..Surface::default()
+    }]);
+    let mut blobs = field((0..301).map(|i| [i as f32, 0.0, 0.0]).collect());
+    let mut data: Vec<f32> = (0..301).map(|i| i as f32).collect();
+    (data[7], data[11]) = (1e6, -1e6);
+    blobs.attributes = vec![FieldAttribute {
+        name: "speed".to_owned(),
+        components: 1,
+        data,
+    }];
+    let frame = build(&scene, vec![blobs]).unwrap();
+    let BaseColor::Attribute(coloring) = &frame.materials[0].base else {
+        panic!("not coloured");
+    };
+    assert_eq!(coloring.range, [2.0, 298.0]);
+}
+
+#[test]
 fn lights_default_to_a_sun_and_a_sky_and_are_unit_vectors() {
     let mut scene = Scene::default();
     for up in ["y", "z", "-x"] {
