@@ -89,6 +89,15 @@ pub fn closest_many(
     hits: &mut [Option<BlobHit>],
     scratch: &mut Scratch,
 ) {
+    if rays.len() < packet::FEWEST {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = ray
+                .is_traceable()
+                .then(|| closest(blobs, cells, ray, scratch))
+                .flatten();
+        }
+        return;
+    }
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
         let (local, outcomes) = trace_packet(blobs, cells, rays, false, scratch);
         for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
@@ -121,6 +130,12 @@ pub fn occluded_many(
     hits: &mut [bool],
     scratch: &mut Scratch,
 ) {
+    if rays.len() < packet::FEWEST {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = ray.is_traceable() && occluded(blobs, cells, ray, scratch);
+        }
+        return;
+    }
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
         let (local, outcomes) = trace_packet(blobs, cells, rays, true, scratch);
         for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {

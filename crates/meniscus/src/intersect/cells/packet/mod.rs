@@ -31,7 +31,7 @@ const DIRECTION_SPREAD: f64 = 0.1;
 const ORIGIN_SPREAD_SPACINGS: f64 = 8.0;
 
 /// Fewer rays are traced one by one.
-const FEWEST: u32 = 4;
+pub(super) const FEWEST: usize = 4;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
