@@ -3,13 +3,15 @@
 
 mod gather;
 mod gradient;
+mod local;
 mod packet;
 mod solve;
+mod start;
 
 use super::{BlobHit, Scratch};
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
-use crate::accel::cells::traverse::{SlabRay, Stack, visit_leaves};
+use crate::accel::cells::traverse::{Stack, visit_leaves};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
@@ -18,8 +20,10 @@ use crate::{at_level, with_kernel};
 use fearless_simd::Simd;
 use gather::{Active, gather};
 use glam::DVec3;
+use local::{LocalRay, local_ray};
 use packet::{Outcome, PacketScratch};
 use solve::{Entry, Pending, Segment, Solver, Verdict};
+use start::{OwnStart, is_inside, start_margin};
 
 /// Accuracy of t that the solver aims at, in spacings.
 const T_TOLERANCE_SPACINGS: f32 = 2e-5;
@@ -38,47 +42,6 @@ struct Found {
     t: f64,
     block: u32,
     entering: bool,
-}
-
-/// A ray in local coordinates with a unit direction, moved to where it can first meet the cells.
-#[derive(Debug, Clone, Copy)]
-struct LocalRay {
-    /// Start of the stretch that is traced, local f64.
-    origin: DVec3,
-    /// Unit direction.
-    direction: DVec3,
-    /// Unit-length parameter of `origin` on the caller's ray.
-    t_start: f64,
-    /// Length of the stretch.
-    length: f32,
-    /// Whether `origin` lies at the caller's t_min (otherwise the ray came from outside the cells).
-    starts_at_t_min: bool,
-    /// 1/|direction| of the caller's ray.
-    per_unit: f64,
-    inside: bool,
-    /// Whether the field, not the caller, says that the ray starts on this side.
-    side_is_proven: bool,
-}
-
-impl LocalRay {
-    /// The stretch as the slab test wants it.
-    fn slab_ray(&self) -> SlabRay {
-        SlabRay::new(
-            self.origin.as_vec3().to_array(),
-            self.direction.as_vec3().to_array(),
-            self.length,
-        )
-    }
-
-    /// The caller's parameter of a point `along` the stretch.
-    fn parameter(&self, ray: &Ray, along: f64) -> f64 {
-        ((self.t_start + along) * self.per_unit).clamp(ray.t_min, ray.t_max)
-    }
-}
-
-/// A leaf entered this close to t_min may hold the start although rounding says otherwise.
-fn start_margin(cells: &Cells) -> f32 {
-    4e-6 * cells.bounds.map_or(0.0, |b| b.size().max_element())
 }
 
 /// First crossings of object-space rays, in `hits`; rays that lie close together go faster.
@@ -245,52 +208,6 @@ fn find(
     })
 }
 
-/// Clips the ray against the cells' box in f64, so that f32 never sees a far origin.
-fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
-    let bounds = cells.bounds?;
-    let length = ray.direction.length();
-    let per_unit = length.recip();
-    let direction = ray.direction * per_unit;
-    let origin = ray.origin - blobs.field.origin;
-    let (t_min, t_max) = (ray.t_min * length, ray.t_max * length);
-    let (mut enter, mut leave) = (t_min, t_max);
-    let inverse = direction.recip();
-    for axis in 0..3 {
-        let (lower, upper) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
-        if direction[axis] == 0.0 {
-            if origin[axis] < lower || origin[axis] > upper {
-                return None;
-            }
-            continue;
-        }
-        let to_lower = (lower - origin[axis]) * inverse[axis];
-        let to_upper = (upper - origin[axis]) * inverse[axis];
-        enter = enter.max(to_lower.min(to_upper));
-        leave = leave.min(to_lower.max(to_upper));
-    }
-    if enter > leave || !enter.is_finite() || !per_unit.is_finite() {
-        return None;
-    }
-    let start = origin + direction * t_min;
-    let starts_at_t_min = enter <= t_min;
-    let inside = match ray.side {
-        Side::Inside => true,
-        Side::Outside => false,
-        // The box holds all surface, so outside it the field lies below the threshold.
-        Side::Unknown => starts_at_t_min && blobs.field.side(start) == Side::Inside,
-    };
-    Some(LocalRay {
-        origin: origin + direction * enter,
-        direction,
-        t_start: enter,
-        length: (leave - enter) as f32,
-        starts_at_t_min,
-        per_unit,
-        inside,
-        side_is_proven: ray.side == Side::Unknown || (!starts_at_t_min && !inside),
-    })
-}
-
 #[inline(always)]
 fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
@@ -414,64 +331,6 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     );
     counters.nodes += nodes;
     found
-}
-
-/// Whether float64 sees the point `along` the stretch inside.
-fn is_inside(blobs: &Blobs, ray: &LocalRay, along: f64) -> bool {
-    blobs.field.side(ray.origin + ray.direction * along) == Side::Inside
-}
-
-/// Up to this distance from a ray's own start, in spacings, a crossing has to be seen in float64: in
-/// f32 a ray that leaves the surface at a grazing angle cannot be told from one that enters.
-const NEAR_START_SPACINGS: f32 = 1e-2;
-
-/// Steps in which float64 looks about a crossing near the start, in parts of that distance.
-const TOLERANCE_PER_REACH: f32 = T_TOLERANCE_SPACINGS / NEAR_START_SPACINGS;
-
-/// Distance from a ray's own start within which crossings need float64: [`NEAR_START_SPACINGS`], or
-/// what f32 cannot resolve where blobs are far smaller than the scene.
-fn near_start(blobs: &Blobs, cells: &Cells) -> f32 {
-    (NEAR_START_SPACINGS * blobs.field.spacing).max(8.0 * start_margin(cells))
-}
-
-/// The neighbourhood of the start of a ray that states its side there.
-struct OwnStart {
-    /// Crossings at smaller distances need float64; negative where none does.
-    reach: f64,
-    /// Accuracy of a crossing.
-    tolerance: f64,
-    /// How far behind a crossing that is not there the search goes on at first.
-    stride: f32,
-}
-
-impl OwnStart {
-    fn new(blobs: &Blobs, cells: &Cells, ray: &LocalRay) -> Self {
-        let near = near_start(blobs, cells);
-        Self {
-            reach: if ray.starts_at_t_min && !ray.side_is_proven {
-                f64::from(near)
-            } else {
-                -1.0
-            },
-            tolerance: f64::from(near * TOLERANCE_PER_REACH),
-            stride: 16.0 * near * TOLERANCE_PER_REACH,
-        }
-    }
-
-    /// Whether a crossing at `t` is one: the field is on the stated side before it and on the other
-    /// behind it.
-    fn is_sure(&self, blobs: &Blobs, ray: &LocalRay, t: f64) -> bool {
-        if t > self.reach {
-            return true;
-        }
-        let beyond = |along: f64| is_inside(blobs, ray, along) != ray.inside;
-        [0.0, 0.5 * t, t - self.tolerance]
-            .into_iter()
-            .any(|before| before >= 0.0 && !beyond(before))
-            && [1.0, 4.0, 16.0]
-                .into_iter()
-                .any(|steps| beyond(t + steps * self.tolerance))
-    }
 }
 
 /// The blobs of the leaf at `block`, chunk after chunk.

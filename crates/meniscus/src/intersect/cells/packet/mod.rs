@@ -9,7 +9,9 @@ mod leaf;
 mod step;
 mod visit;
 
-use super::{LocalRay, T_TOLERANCE_SPACINGS, near_start, specialised, start_margin};
+use super::local::LocalRay;
+use super::start::{near_start, start_margin};
+use super::{T_TOLERANCE_SPACINGS, specialised};
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::traverse::SlabRay;

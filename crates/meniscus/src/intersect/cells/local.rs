@@ -1,0 +1,89 @@
+//! A ray as engine `cells` traces it: clipped in f64, so that f32 never sees a far origin.
+
+use crate::accel::cells::Cells;
+use crate::accel::cells::traverse::SlabRay;
+use crate::frame::Blobs;
+use crate::math::ray::{Ray, Side};
+use glam::DVec3;
+
+/// A ray in local coordinates with a unit direction, moved to where it can first meet the cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LocalRay {
+    /// Start of the stretch that is traced, local f64.
+    pub(super) origin: DVec3,
+    /// Unit direction.
+    pub(super) direction: DVec3,
+    /// Unit-length parameter of `origin` on the caller's ray.
+    pub(super) t_start: f64,
+    /// Length of the stretch.
+    pub(super) length: f32,
+    /// Whether `origin` lies at the caller's t_min (otherwise the ray came from outside the cells).
+    pub(super) starts_at_t_min: bool,
+    /// 1/|direction| of the caller's ray.
+    pub(super) per_unit: f64,
+    pub(super) inside: bool,
+    /// Whether the field, not the caller, says that the ray starts on this side.
+    pub(super) side_is_proven: bool,
+}
+
+impl LocalRay {
+    /// The stretch as the slab test wants it.
+    pub(super) fn slab_ray(&self) -> SlabRay {
+        SlabRay::new(
+            self.origin.as_vec3().to_array(),
+            self.direction.as_vec3().to_array(),
+            self.length,
+        )
+    }
+
+    /// The caller's parameter of a point `along` the stretch.
+    pub(super) fn parameter(&self, ray: &Ray, along: f64) -> f64 {
+        ((self.t_start + along) * self.per_unit).clamp(ray.t_min, ray.t_max)
+    }
+}
+
+/// Clips the ray against the cells' box in f64, so that f32 never sees a far origin.
+pub(super) fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
+    let bounds = cells.bounds?;
+    let length = ray.direction.length();
+    let per_unit = length.recip();
+    let direction = ray.direction * per_unit;
+    let origin = ray.origin - blobs.field.origin;
+    let (t_min, t_max) = (ray.t_min * length, ray.t_max * length);
+    let (mut enter, mut leave) = (t_min, t_max);
+    let inverse = direction.recip();
+    for axis in 0..3 {
+        let (lower, upper) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
+        if direction[axis] == 0.0 {
+            if origin[axis] < lower || origin[axis] > upper {
+                return None;
+            }
+            continue;
+        }
+        let to_lower = (lower - origin[axis]) * inverse[axis];
+        let to_upper = (upper - origin[axis]) * inverse[axis];
+        enter = enter.max(to_lower.min(to_upper));
+        leave = leave.min(to_lower.max(to_upper));
+    }
+    if enter > leave || !enter.is_finite() || !per_unit.is_finite() {
+        return None;
+    }
+    let start = origin + direction * t_min;
+    let starts_at_t_min = enter <= t_min;
+    let inside = match ray.side {
+        Side::Inside => true,
+        Side::Outside => false,
+        // The box holds all surface, so outside it the field lies below the threshold.
+        Side::Unknown => starts_at_t_min && blobs.field.side(start) == Side::Inside,
+    };
+    Some(LocalRay {
+        origin: origin + direction * enter,
+        direction,
+        t_start: enter,
+        length: (leave - enter) as f32,
+        starts_at_t_min,
+        per_unit,
+        inside,
+        side_is_proven: ray.side == Side::Unknown || (!starts_at_t_min && !inside),
+    })
+}

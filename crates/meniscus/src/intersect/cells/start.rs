@@ -1,0 +1,70 @@
+//! A ray's own start, where f32 cannot tell leaving the surface from entering it.
+
+use super::T_TOLERANCE_SPACINGS;
+use super::local::LocalRay;
+use crate::accel::cells::Cells;
+use crate::frame::Blobs;
+use crate::math::ray::Side;
+
+/// A leaf entered this close to t_min may hold the start although rounding says otherwise.
+pub(super) fn start_margin(cells: &Cells) -> f32 {
+    4e-6 * cells.bounds.map_or(0.0, |b| b.size().max_element())
+}
+
+/// Whether float64 sees the point `along` the stretch inside.
+pub(super) fn is_inside(blobs: &Blobs, ray: &LocalRay, along: f64) -> bool {
+    blobs.field.side(ray.origin + ray.direction * along) == Side::Inside
+}
+
+/// Up to this distance from a ray's own start, in spacings, a crossing has to be seen in float64: in
+/// f32 a ray that leaves the surface at a grazing angle cannot be told from one that enters.
+const NEAR_START_SPACINGS: f32 = 1e-2;
+
+/// Steps in which float64 looks about a crossing near the start, in parts of that distance.
+const TOLERANCE_PER_REACH: f32 = T_TOLERANCE_SPACINGS / NEAR_START_SPACINGS;
+
+/// Distance from a ray's own start within which crossings need float64: [`NEAR_START_SPACINGS`], or
+/// what f32 cannot resolve where blobs are far smaller than the scene.
+pub(super) fn near_start(blobs: &Blobs, cells: &Cells) -> f32 {
+    (NEAR_START_SPACINGS * blobs.field.spacing).max(8.0 * start_margin(cells))
+}
+
+/// The neighbourhood of the start of a ray that states its side there.
+pub(super) struct OwnStart {
+    /// Crossings at smaller distances need float64; negative where none does.
+    pub(super) reach: f64,
+    /// Accuracy of a crossing.
+    tolerance: f64,
+    /// How far behind a crossing that is not there the search goes on at first.
+    pub(super) stride: f32,
+}
+
+impl OwnStart {
+    pub(super) fn new(blobs: &Blobs, cells: &Cells, ray: &LocalRay) -> Self {
+        let near = near_start(blobs, cells);
+        Self {
+            reach: if ray.starts_at_t_min && !ray.side_is_proven {
+                f64::from(near)
+            } else {
+                -1.0
+            },
+            tolerance: f64::from(near * TOLERANCE_PER_REACH),
+            stride: 16.0 * near * TOLERANCE_PER_REACH,
+        }
+    }
+
+    /// Whether a crossing at `t` is one: the field is on the stated side before it and on the other
+    /// behind it.
+    pub(super) fn is_sure(&self, blobs: &Blobs, ray: &LocalRay, t: f64) -> bool {
+        if t > self.reach {
+            return true;
+        }
+        let beyond = |along: f64| is_inside(blobs, ray, along) != ray.inside;
+        [0.0, 0.5 * t, t - self.tolerance]
+            .into_iter()
+            .any(|before| before >= 0.0 && !beyond(before))
+            && [1.0, 4.0, 16.0]
+                .into_iter()
+                .any(|steps| beyond(t + steps * self.tolerance))
+    }
+}
