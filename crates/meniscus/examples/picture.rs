@@ -11,7 +11,7 @@ use meniscus::field::BlobField;
 use meniscus::film::{BitDepth, Legend, Tone};
 use meniscus::frame::{BaseColor, Frame, FrameSettings};
 use meniscus::particles::io;
-use meniscus::render::{Backend, CpuBackend, Progress, RenderSettings};
+use meniscus::render::{Backend, CpuBackend, Progress, RenderSettings, RenderState};
 use meniscus::scene::camera::Camera;
 use meniscus::scene::generate::Generator;
 use meniscus::scene::{BlobSettings, Ground, Scene, Surface};
@@ -55,6 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         &frame,
         &camera,
         &RenderSettings::default(),
+        &RenderState::new(),
         &Progress::none(),
     )?;
     film.develop(Tone::default(), BitDepth::Eight)

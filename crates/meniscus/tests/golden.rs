@@ -6,7 +6,7 @@ use meniscus::film::{BitDepth, Film, Pixels, Tone};
 use meniscus::frame::{Frame, FrameSettings};
 use meniscus::math::DVec3;
 use meniscus::particles::{Column, Particles};
-use meniscus::render::{Backend, CpuBackend, Progress, RenderSettings};
+use meniscus::render::{Backend, CpuBackend, Progress, RenderSettings, RenderState};
 use meniscus::scene::camera::Camera;
 use meniscus::scene::{Background, BlobSettings, Ground, Scene, Surface, Weights};
 use meniscus_testing::image::{Budget, Picture, assert_golden};
@@ -53,7 +53,7 @@ fn render(scene: &Scene, settings: &RenderSettings) -> Film {
     let camera = Camera::from_settings(&scene.camera, frame.framing_bounds(), SIZE).unwrap();
     let progress = Progress::none();
     let (film, _) = CpuBackend
-        .render(&frame, &camera, settings, &progress)
+        .render(&frame, &camera, settings, &RenderState::new(), &progress)
         .unwrap();
     film
 }

@@ -5,7 +5,9 @@ use meniscus::film::{ChannelSet, Film, NO_INDEX, PlaneData, Region};
 use meniscus::frame::{Frame, FrameSettings};
 use meniscus::math::DVec3;
 use meniscus::particles::{Column, Particles};
-use meniscus::render::{Backend, CpuBackend, Progress, RenderError, RenderSettings, RenderStats};
+use meniscus::render::{
+    Backend, CpuBackend, Progress, RenderError, RenderSettings, RenderState, RenderStats,
+};
 use meniscus::scene::camera::Camera;
 use meniscus::scene::{
     Background, BlobSettings, Color, Ground, Light, Material, Scene, Surface, Weights,
@@ -71,7 +73,7 @@ fn settings() -> RenderSettings {
 fn render(frame: &Frame, camera: &Camera, settings: &RenderSettings) -> (Film, RenderStats) {
     let progress = Progress::none();
     CpuBackend
-        .render(frame, camera, settings, &progress)
+        .render(frame, camera, settings, &RenderState::new(), &progress)
         .unwrap()
 }
 
@@ -238,7 +240,7 @@ fn a_cancelled_rendering_returns_no_film() {
     let progress = Progress::none()
         .with_cancel(&cancel)
         .with_callback(&stop_at_first_tile);
-    let result = CpuBackend.render(&frame, &camera, &settings(), &progress);
+    let result = CpuBackend.render(&frame, &camera, &settings(), &RenderState::new(), &progress);
     assert!(matches!(result, Err(RenderError::Cancelled)));
     assert!(progress.done() < u64::from(SIZE[0] * SIZE[1]));
 }
@@ -259,7 +261,7 @@ fn progress_counts_every_sample() {
         ..settings()
     };
     CpuBackend
-        .render(&frame, &camera, &settings, &progress)
+        .render(&frame, &camera, &settings, &RenderState::new(), &progress)
         .unwrap();
     assert!(total.load(Ordering::Relaxed));
 }
@@ -270,7 +272,13 @@ fn impossible_settings_are_errors() {
     let camera = camera(DVec3::ZERO, 1.0);
     let fails = |settings: RenderSettings| {
         CpuBackend
-            .render(&frame, &camera, &settings, &Progress::none())
+            .render(
+                &frame,
+                &camera,
+                &settings,
+                &RenderState::new(),
+                &Progress::none(),
+            )
             .unwrap_err()
             .to_string()
     };
@@ -294,4 +302,29 @@ fn impossible_settings_are_errors() {
         ..settings()
     });
     assert!(region.contains("64x48"), "{region}");
+}
+
+#[test]
+fn a_state_that_saw_other_frames_changes_no_picture_and_no_count() {
+    let (_, small) = ball(DVec3::ZERO, 1.0, false);
+    let (_, large) = ball(DVec3::X, 3.0, true);
+    let state = RenderState::new();
+    let render = |frame: &Frame, state: &RenderState, progress: &Progress<'_>| {
+        CpuBackend.render(
+            frame,
+            &camera(DVec3::ZERO, 1.0),
+            &settings(),
+            state,
+            progress,
+        )
+    };
+    render(&large, &state, &Progress::none()).unwrap();
+    let cancelled = AtomicBool::new(true);
+    let stop = Progress::none().with_cancel(&cancelled);
+    assert!(render(&large, &state, &stop).is_err());
+    let (film, stats) = render(&small, &state, &Progress::none()).unwrap();
+    let (fresh_film, fresh_stats) = render(&small, &RenderState::new(), &Progress::none()).unwrap();
+    assert_eq!(film, fresh_film);
+    assert_eq!(stats.counters, fresh_stats.counters);
+    assert_eq!(stats.rays, fresh_stats.rays);
 }

@@ -126,23 +126,6 @@ pub fn evil_rays(engine: Engine) {
 /// # Panics
 /// On any real error.
 pub fn evil_sets(engine: Engine) {
-    evil_scenes(engine, &corpus::evil());
-}
-
-/// [`evil_sets`] without the one whose radii span six orders of magnitude at one spot, for engines
-/// whose f32 leaves cannot tell that close to a surface on which side a ray starts.
-///
-/// # Panics
-/// On any real error.
-pub fn evil_sets_within_f32(engine: Engine) {
-    let mut scenes = corpus::evil();
-    let all = scenes.len();
-    scenes.retain(|scene| !scene.name.starts_with("million-fold"));
-    assert_eq!(scenes.len() + 1, all, "exactly one scene is left out");
-    evil_scenes(engine, &scenes);
-}
-
-fn evil_scenes(engine: Engine, scenes: &[Scene]) {
     let questions = [
         Question::Closest,
         Question::ClosestTogether,
@@ -150,7 +133,7 @@ fn evil_scenes(engine: Engine, scenes: &[Scene]) {
         Question::AnyTogether,
         Question::All,
     ];
-    check(engine, scenes, &questions, |stage| {
+    check(engine, &corpus::evil(), &questions, |stage| {
         let mut all = rays::evil(stage.oracle, &stage.points, 71);
         for eye in EYES {
             all.extend(rays::primary(stage.oracle, 16, eye));

@@ -4,8 +4,8 @@
 mod checks;
 
 pub use checks::{
-    all_crossings, any_hit, bundles, evil_rays, evil_sets, evil_sets_within_f32, grazing_rays,
-    inside_rays, ordinary_rays, same_for_any_number_of_threads, shadow_rays,
+    all_crossings, any_hit, bundles, evil_rays, evil_sets, grazing_rays, inside_rays,
+    ordinary_rays, same_for_any_number_of_threads, shadow_rays,
 };
 
 use crate::corpus::Scene;

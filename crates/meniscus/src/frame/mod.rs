@@ -10,11 +10,13 @@ pub mod looks;
 pub use build::{FrameError, FrameSettings};
 pub use looks::{BaseColor, Coloring, GroundLook, Light, Material};
 
+use crate::accel::supports::SupportTree;
 use crate::accel::{Accel, Engine};
 use crate::field::BlobField;
 use crate::math::simd::Level;
 use crate::scene::Background;
 use glam::{DAffine3, DVec3};
+use std::sync::OnceLock;
 
 /// A blob field with the structure that traces it.
 #[derive(Debug)]
@@ -25,6 +27,8 @@ pub struct Blobs {
     pub accel: Accel,
     /// The SIMD level that rays run on.
     pub level: Level,
+    /// For rays that need float64 whatever the engine; built when the first one comes.
+    exact: OnceLock<SupportTree>,
 }
 
 impl Blobs {
@@ -35,6 +39,15 @@ impl Blobs {
             field,
             accel,
             level,
+            exact: OnceLock::new(),
+        }
+    }
+
+    /// The tree over all supports that engine `sweep` walks in float64.
+    pub fn exact_tree(&self) -> &SupportTree {
+        match &self.accel {
+            Accel::Sweep(tree) => tree,
+            Accel::Cells(_) => self.exact.get_or_init(|| SupportTree::build(&self.field)),
         }
     }
 }

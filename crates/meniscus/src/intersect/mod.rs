@@ -143,9 +143,13 @@ impl Blobs {
 
     /// Every crossing of an object-space ray, in order, appended to `crossings`.
     pub fn crossings(&self, ray: &Ray, scratch: &mut Scratch, crossings: &mut Vec<Crossing>) {
-        if let Accel::Sweep(tree) = &self.accel {
+        let in_float64 = match &self.accel {
+            Accel::Cells(cells) => cells.has_fine_blobs,
+            Accel::Sweep(_) => true,
+        };
+        if in_float64 {
             if ray.is_traceable() {
-                sweep::crossings(self, tree, ray, scratch, crossings);
+                sweep::crossings(self, self.exact_tree(), ray, scratch, crossings);
             }
             return;
         }

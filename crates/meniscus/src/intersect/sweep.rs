@@ -40,6 +40,17 @@ pub fn closest(
     ray: &Ray,
     scratch: &mut Scratch,
 ) -> Option<BlobHit> {
+    scratch.counters.rays += 1;
+    first(blobs, tree, ray, scratch)
+}
+
+/// First crossing of a ray that is already counted.
+pub(super) fn first(
+    blobs: &Blobs,
+    tree: &SupportTree,
+    ray: &Ray,
+    scratch: &mut Scratch,
+) -> Option<BlobHit> {
     let mut found = None;
     sweep(blobs, tree, ray, scratch, |crossing, position, active| {
         let field = &blobs.field;
@@ -64,6 +75,7 @@ pub fn crossings(
     scratch: &mut Scratch,
     crossings: &mut Vec<Crossing>,
 ) {
+    scratch.counters.rays += 1;
     sweep(blobs, tree, ray, scratch, |crossing, _, _| {
         crossings.push(crossing);
         true
@@ -88,7 +100,6 @@ fn sweep_with<K: KernelShape>(
     scratch: &mut Scratch,
     mut visit: impl FnMut(Crossing, DVec3, &[Active]) -> bool,
 ) {
-    scratch.counters.rays += 1;
     // Lengths squared of very long or short directions leave the range of f64: scale first.
     let largest = ray.direction.abs().max_element();
     let length = (ray.direction / largest).length() * largest;

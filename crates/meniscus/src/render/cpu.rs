@@ -1,6 +1,6 @@
 //! The CPU backend: tiles on a rayon pool.
 
-use super::{Backend, Progress, RenderError, RenderSettings, RenderStats};
+use super::{Backend, Progress, RenderError, RenderSettings, RenderState, RenderStats};
 use crate::film::{Film, NO_INDEX, PixelSample, Region, SurfaceSample};
 use crate::frame::{Frame, Geometry};
 use crate::math::ray::{Ray, Side};
@@ -31,11 +31,12 @@ impl Backend for CpuBackend {
         frame: &Frame,
         camera: &Camera,
         settings: &RenderSettings,
+        state: &RenderState,
         progress: &Progress<'_>,
     ) -> Result<(Film, RenderStats), RenderError> {
         let job = Job::new(frame, camera, settings)?;
         match settings.threads {
-            None => job.run(progress),
+            None => job.run(state, progress),
             Some(threads) => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads.max(1))
                 .build()
@@ -43,7 +44,7 @@ impl Backend for CpuBackend {
                     threads,
                     message: error.to_string(),
                 })?
-                .install(|| job.run(progress)),
+                .install(|| job.run(state, progress)),
         }
     }
 }
@@ -104,7 +105,11 @@ impl<'a> Job<'a> {
         )?)
     }
 
-    fn run(&self, progress: &Progress<'_>) -> Result<(Film, RenderStats), RenderError> {
+    fn run(
+        &self,
+        state: &RenderState,
+        progress: &Progress<'_>,
+    ) -> Result<(Film, RenderStats), RenderError> {
         let start = Instant::now();
         let total = self.region.pixels() * self.samples.len() as u64;
         // Merging is exact in any order, so tiles merge as they come.
@@ -112,20 +117,24 @@ impl<'a> Job<'a> {
         self.region
             .tiles(TILE_SIDE)
             .into_par_iter()
-            .try_for_each_init(ShadeScratch::default, |scratch, tile| {
-                let film = self.tile(tile, scratch, progress)?;
-                let stats = RenderStats {
-                    rays: std::mem::take(&mut scratch.rays),
-                    counters: std::mem::take(&mut scratch.trace.counters),
-                    ..RenderStats::default()
-                };
-                let mut whole = whole.lock().unwrap_or_else(PoisonError::into_inner);
-                whole.0.merge(&film)?;
-                whole.1.add(&stats);
-                drop(whole);
-                progress.advance(tile.pixels() * self.samples.len() as u64, total);
-                Ok::<(), RenderError>(())
-            })?;
+            .try_for_each_init(
+                || state.borrow(),
+                |loan, tile| {
+                    let scratch = &mut loan.scratch;
+                    let film = self.tile(tile, scratch, progress)?;
+                    let stats = RenderStats {
+                        rays: std::mem::take(&mut scratch.rays),
+                        counters: std::mem::take(&mut scratch.trace.counters),
+                        ..RenderStats::default()
+                    };
+                    let mut whole = whole.lock().unwrap_or_else(PoisonError::into_inner);
+                    whole.0.merge(&film)?;
+                    whole.1.add(&stats);
+                    drop(whole);
+                    progress.advance(tile.pixels() * self.samples.len() as u64, total);
+                    Ok::<(), RenderError>(())
+                },
+            )?;
         let (film, stats) = whole.into_inner().unwrap_or_else(PoisonError::into_inner);
         let stats = RenderStats {
             threads: rayon::current_num_threads(),

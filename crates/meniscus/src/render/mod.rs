@@ -7,11 +7,13 @@ mod cpu;
 mod error;
 mod progress;
 mod settings;
+mod state;
 
 pub use cpu::CpuBackend;
 pub use error::RenderError;
 pub use progress::Progress;
 pub use settings::{RenderSettings, RenderStats};
+pub use state::RenderState;
 
 use crate::film::Film;
 use crate::frame::Frame;
@@ -23,7 +25,7 @@ pub trait Backend {
     fn name(&self) -> &'static str;
 
     /// Renders `settings.region` and `settings.samples` of the picture that `camera` takes of
-    /// `frame`.
+    /// `frame`. `state` is what earlier frames left behind; the picture does not depend on it.
     ///
     /// # Errors
     /// Impossible settings, too little memory, or [`RenderError::Cancelled`]; there is no film then.
@@ -32,6 +34,7 @@ pub trait Backend {
         frame: &Frame,
         camera: &Camera,
         settings: &RenderSettings,
+        state: &RenderState,
         progress: &Progress<'_>,
     ) -> Result<(Film, RenderStats), RenderError>;
 }

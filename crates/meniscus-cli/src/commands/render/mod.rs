@@ -12,6 +12,7 @@ use crate::job::output::{self, PictureFormat};
 use crate::job::{files, load};
 use crate::progress::Reporter;
 use crate::stats::FrameStats;
+use meniscus::render::RenderState;
 use meniscus::scene::Scene;
 use meniscus::scene::camera::Camera;
 use options::PictureOptions;
@@ -43,6 +44,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
     }
     let mut fixed = is_sequence.then(|| Fixed::of(&first));
     let mut all_stats = Vec::new();
+    let state = RenderState::new();
     reporter.start(jobs.len());
     for (index, (input, path)) in jobs.iter().enumerate() {
         interrupt::check()?;
@@ -57,6 +59,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
             output: path,
             options: &options,
             engine: &engine,
+            state: &state,
         };
         all_stats.push(work.render(&reporter)?);
         reporter.frame_done(index, path);

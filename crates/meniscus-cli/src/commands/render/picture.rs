@@ -11,7 +11,9 @@ use crate::progress::Reporter;
 use crate::stats::{FrameStats, ImageStats, RayStats, peak_rss_bytes};
 use meniscus::film::{ChannelSet, Film, FilmError, Legend, Tone};
 use meniscus::frame::{BaseColor, Frame};
-use meniscus::render::{Backend, CpuBackend, Progress, RenderError, RenderSettings, RenderStats};
+use meniscus::render::{
+    Backend, CpuBackend, Progress, RenderError, RenderSettings, RenderState, RenderStats,
+};
 use meniscus::scene::Scene;
 use meniscus::scene::camera::Camera;
 use meniscus::shade::frame_attributes;
@@ -31,6 +33,8 @@ pub(crate) struct FrameWork<'a> {
     pub options: &'a PictureOptions,
     /// How to trace.
     pub engine: &'a EngineChoice,
+    /// What earlier frames left behind.
+    pub state: &'a RenderState,
 }
 
 /// The scene's camera; what is open frames the objects.
@@ -89,7 +93,7 @@ impl FrameWork<'_> {
             .with_cancel(&interrupt::CANCELLED)
             .with_callback(&advance);
         CpuBackend
-            .render(frame, camera, &settings, &progress)
+            .render(frame, camera, &settings, self.state, &progress)
             .map_err(|error| match error {
                 RenderError::Cancelled => Failure::Interrupted,
                 RenderError::Film(FilmError::Write { .. }) | RenderError::Threads { .. } => {

@@ -61,6 +61,9 @@ pub struct LeafHeader {
     pub count: usize,
     /// Local position that the blobs' coordinates are relative to.
     pub center: [f32; 3],
+    /// Blobs of at least this steepness along a ray (β, 1/length²) are too small for f32 in this
+    /// leaf's coordinates; infinite in almost all leaves.
+    pub fine_beta: f32,
 }
 
 impl LeafHeader {
@@ -69,6 +72,7 @@ impl LeafHeader {
         let mut block = Block::ZERO;
         block.0[0] = f32::from_bits(self.count as u32);
         block.0[1..4].copy_from_slice(&self.center);
+        block.0[4] = self.fine_beta;
         block
     }
 
@@ -78,6 +82,7 @@ impl LeafHeader {
         Self {
             count: block.0[0].to_bits() as usize,
             center: [block.0[1], block.0[2], block.0[3]],
+            fine_beta: block.0[4],
         }
     }
 }

@@ -12,6 +12,12 @@ use glam::Vec3;
 /// Slabs tried on each face, as fractions of the box that is left.
 const SHAVES: [f32; 3] = [0.5, 0.25, 0.125];
 
+/// Supports below the leaf's size over this are left to float64.
+const FINEST_PART: f32 = 64.0;
+
+/// So many rounding margins count as size of a leaf: boxes are entered and rays start no more exactly.
+const MARGIN_PARTS: f32 = 512.0;
+
 /// Returns the leaf's trimmed box and its header block, or `None` when the cell is proven to hold no
 /// surface. `buffers` are scratch.
 pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
@@ -44,7 +50,7 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
         return None;
     }
     let block = blocks.len() as u32;
-    pack::<P>(kept, trimmed.center(), blocks);
+    pack::<P>(kept, trimmed, context.pad, blocks);
     Some((trimmed, block))
 }
 
@@ -102,10 +108,32 @@ fn slab_and_rest(bounds: Aabb, axis: usize, upper_face: bool, fraction: f32) -> 
     (slab, rest)
 }
 
-fn pack<P: Primitive>(list: &BlobList, center: Vec3, blocks: &mut Vec<Block>) {
+/// The steepness from which blobs are too small for f32 in a leaf of this size; infinite where no
+/// blob of the list is.
+fn fine_beta<P: Primitive>(list: &BlobList, size: f32) -> f32 {
+    // |A|² ≥ β along every ray. A coordinate's rounding, 2⁻²⁴ of the leaf's size, moves q by twice
+    // itself times √β, which is to stay near 10⁻⁵.
+    let limit = (FINEST_PART / size).powi(2);
+    let steepest = (0..list.count)
+        .map(|i| {
+            (0..P::COLUMNS)
+                .map(|k| list.columns[3 + k][i].powi(2))
+                .sum()
+        })
+        .fold(0.0, f32::max);
+    if steepest < limit {
+        f32::INFINITY
+    } else {
+        limit
+    }
+}
+
+fn pack<P: Primitive>(list: &BlobList, bounds: Aabb, pad: f32, blocks: &mut Vec<Block>) {
+    let center = bounds.center();
     let header = LeafHeader {
         count: list.count,
         center: center.to_array(),
+        fine_beta: fine_beta::<P>(list, bounds.size().max_element().max(MARGIN_PARTS * pad)),
     };
     blocks.push(header.to_block());
     let shape_columns = P::COLUMNS;

@@ -38,6 +38,8 @@ pub struct Cells {
     pub largest_leaf: usize,
     /// Number of leaves.
     pub leaves: usize,
+    /// Whether some leaves hold blobs too small for f32.
+    pub has_fine_blobs: bool,
 }
 
 impl Cells {
@@ -126,18 +128,20 @@ fn build<S: Simd, K: KernelShape, P: Primitive>(
             })
             .map(|slot| &blocks[(node.children[slot] & !LEAF) as usize])
     });
-    let (leaves, largest_leaf) = leaf_counts.fold((0, 0), |(leaves, largest), block| {
-        (
-            leaves + 1,
-            largest.max(layout::LeafHeader::from_block(block).count),
-        )
-    });
+    let (mut leaves, mut largest_leaf, mut has_fine_blobs) = (0, 0, false);
+    for block in leaf_counts {
+        let header = layout::LeafHeader::from_block(block);
+        leaves += 1;
+        largest_leaf = largest_leaf.max(header.count);
+        has_fine_blobs |= header.fine_beta < f32::INFINITY;
+    }
     Cells {
         bounds: Some(root.bounds().padded(pad)),
         nodes,
         blocks,
         largest_leaf,
         leaves,
+        has_fine_blobs,
     }
 }
 

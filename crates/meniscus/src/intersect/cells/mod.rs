@@ -8,7 +8,7 @@ mod packet;
 mod solve;
 mod start;
 
-use super::{BlobHit, Scratch};
+use super::{BlobHit, Scratch, sweep};
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
 use crate::accel::cells::traverse::{Stack, visit_leaves};
@@ -37,11 +37,12 @@ pub struct CellsScratch {
     packet: PacketScratch,
 }
 
-/// The first crossing in the engine's own terms.
-struct Found {
-    t: f64,
-    block: u32,
-    entering: bool,
+/// What a search ended with, in the engine's own terms.
+enum Found {
+    /// The first crossing.
+    Crossing { t: f64, block: u32, entering: bool },
+    /// The ray meets blobs too small for f32: engine `sweep` has to look.
+    BeyondF32,
 }
 
 /// First crossings of object-space rays, in `hits`; rays that lie close together go faster.
@@ -104,9 +105,7 @@ pub fn occluded_many(
         for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
             *hit = match (outcomes[lane], &local[lane]) {
                 (Outcome::Hit { .. }, _) => true,
-                (Outcome::Alone, Some(local)) => {
-                    find(blobs, cells, ray, local, Question::Any, scratch).is_some()
-                }
+                (Outcome::Alone, Some(local)) => occluded_alone(blobs, cells, ray, local, scratch),
                 _ => false,
             };
         }
@@ -145,22 +144,40 @@ fn closest_alone(
     local: &LocalRay,
     scratch: &mut Scratch,
 ) -> Option<BlobHit> {
-    let found = find(blobs, cells, ray, local, Question::First, scratch)?;
-    let at = ray.at(found.t) - blobs.field.origin;
-    let (outward, strongest) = gradient_at(blobs, cells, found.block, at);
-    Some(BlobHit {
-        t: found.t,
-        outward,
-        strongest,
-        entering: found.entering,
-    })
+    match find(blobs, cells, ray, local, Question::First, scratch)? {
+        Found::BeyondF32 => sweep::first(blobs, blobs.exact_tree(), ray, scratch),
+        Found::Crossing { t, block, entering } => {
+            let at = ray.at(t) - blobs.field.origin;
+            let (outward, strongest) = gradient_at(blobs, cells, block, at);
+            Some(BlobHit {
+                t,
+                outward,
+                strongest,
+                entering,
+            })
+        }
+    }
 }
 
 /// Whether a traceable object-space ray has a crossing.
 pub fn occluded(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
     scratch.counters.rays += 1;
     local_ray(blobs, cells, ray)
-        .is_some_and(|local| find(blobs, cells, ray, &local, Question::Any, scratch).is_some())
+        .is_some_and(|local| occluded_alone(blobs, cells, ray, &local, scratch))
+}
+
+fn occluded_alone(
+    blobs: &Blobs,
+    cells: &Cells,
+    ray: &Ray,
+    local: &LocalRay,
+    scratch: &mut Scratch,
+) -> bool {
+    match find(blobs, cells, ray, local, Question::Any, scratch) {
+        None => false,
+        Some(Found::Crossing { .. }) => true,
+        Some(Found::BeyondF32) => sweep::first(blobs, blobs.exact_tree(), ray, scratch).is_some(),
+    }
 }
 
 /// What is asked of a search.
@@ -199,13 +216,13 @@ fn find(
     scratch: &mut Scratch,
 ) -> Option<Found> {
     scratch.cells.active.reserve(cells.largest_leaf);
-    let found = specialised!(blobs, simd, K, P => {
+    let mut found = specialised!(blobs, simd, K, P => {
         find_in_cells::<_, K, P>(simd, blobs, cells, local, question, scratch)
     })?;
-    Some(Found {
-        t: local.parameter(ray, found.t),
-        ..found
-    })
+    if let Found::Crossing { t, .. } = &mut found {
+        *t = local.parameter(ray, *t);
+    }
+    Some(found)
 }
 
 #[inline(always)]
@@ -260,6 +277,12 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                     let center = glam::Vec3::from_array(header.center).as_dvec3();
                     let origin = (ray.origin + ray.direction * f64::from(near) - center).as_vec3();
                     let chunks = leaf_chunks::<P>(&cells.blocks, block, header.count);
+                    if header.fine_beta < f32::INFINITY
+                        && meets_fine::<P>(blobs, chunks, &header, ray)
+                    {
+                        found = Some(Found::BeyondF32);
+                        return true;
+                    }
                     let length = far - near;
                     let reach = gather::<S, K, P>(
                         simd,
@@ -304,7 +327,7 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                             };
                         let t = f64::from(near) + f64::from(crossing);
                         if start.is_sure(blobs, ray, t) {
-                            found = Some(Found {
+                            found = Some(Found::Crossing {
                                 t,
                                 block,
                                 entering: !solver.inside,
@@ -338,6 +361,36 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
 fn leaf_chunks<P: Primitive>(blocks: &[Block], block: u32, count: usize) -> &[Block] {
     let first = block as usize + 1;
     &blocks[first..first + count.div_ceil(LANES) * blocks_per_chunk(P::COLUMNS)]
+}
+
+/// Whether the ray meets a blob that is too small for f32 in the leaf's coordinates.
+#[cold]
+fn meets_fine<P: Primitive>(
+    blobs: &Blobs,
+    chunks: &[Block],
+    header: &LeafHeader,
+    ray: &LocalRay,
+) -> bool {
+    let field = &blobs.field;
+    let indices = chunks
+        .chunks_exact(blocks_per_chunk(P::COLUMNS))
+        .flat_map(|chunk| {
+            chunk[4 + P::COLUMNS]
+                .0
+                .map(|index| index.to_bits() as usize)
+        });
+    indices.take(header.count).any(|i| {
+        let v = field.shapes.transform(i, ray.direction);
+        let beta = v.length_squared();
+        if beta < f64::from(header.fine_beta) {
+            return false;
+        }
+        let y = field
+            .shapes
+            .transform(i, ray.origin - field.center(i).as_dvec3());
+        let nearest = (-y.dot(v) / beta).max(0.0);
+        (y + v * nearest).length_squared() < 1.0
+    })
 }
 
 /// −∇F and the strongest blob at a local point of the leaf at `block`.

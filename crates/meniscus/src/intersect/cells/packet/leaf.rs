@@ -58,6 +58,8 @@ pub(super) struct Leaf<'a> {
     chunks: &'a [Block],
     center: [f32; 3],
     pub(super) count: usize,
+    /// Whether some blobs are too small for f32 here.
+    has_fine_blobs: bool,
 }
 
 /// Bounds over the packet's segments in a leaf.
@@ -76,6 +78,7 @@ impl<'a> Leaf<'a> {
             chunks: leaf_chunks::<P>(&cells.blocks, block, header.count),
             center: header.center,
             count: header.count,
+            has_fine_blobs: header.fine_beta < f32::INFINITY,
         }
     }
 
@@ -124,6 +127,10 @@ impl<'a> Leaf<'a> {
         seen_leaf: &mut u32,
         outcomes: &mut [Outcome; LANES],
     ) -> u32 {
+        if self.has_fine_blobs {
+            set(outcomes, mask, Outcome::Alone);
+            return mask;
+        }
         let origin = self.origin(simd, lanes, near);
         let length = far - near;
         let gathered = self.gather::<S, K, P>(simd, lanes, (mask, origin, length), active);
