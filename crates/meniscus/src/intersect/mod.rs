@@ -143,13 +143,9 @@ impl Blobs {
 
     /// Every crossing of an object-space ray, in order, appended to `crossings`.
     pub fn crossings(&self, ray: &Ray, scratch: &mut Scratch, crossings: &mut Vec<Crossing>) {
-        let in_float64 = match &self.accel {
-            Accel::Cells(cells) => cells.has_fine_blobs,
-            Accel::Sweep(_) => true,
-        };
-        if in_float64 {
+        if let Accel::Sweep(tree) = &self.accel {
             if ray.is_traceable() {
-                sweep::crossings(self, self.exact_tree(), ray, scratch, crossings);
+                sweep::crossings(self, tree, ray, scratch, crossings);
             }
             return;
         }
@@ -157,8 +153,14 @@ impl Blobs {
         let local_origin = ray.origin - self.field.origin;
         let side_at = |t: f64| self.field.side(local_origin + ray.direction * t);
         let first = crossings.len();
+        let fine_leaves = scratch.cells.fine_leaves;
         let mut rest = *ray;
         while let Some(hit) = self.closest(&rest, scratch) {
+            if scratch.cells.fine_leaves != fine_leaves {
+                crossings.truncate(first);
+                sweep::crossings(self, self.exact_tree(), ray, scratch, crossings);
+                return;
+            }
             let after = if hit.entering {
                 Side::Inside
             } else {

@@ -10,6 +10,7 @@ pub struct Ball;
 
 impl Primitive for Ball {
     const COLUMNS: usize = 1;
+    const DIAGONAL: &'static [usize] = &[0];
 
     #[inline(always)]
     fn transform<N: Number>(columns: &[N], d: [N; 3]) -> [N; 3] {
