@@ -69,7 +69,7 @@ pub fn closest_many(
         return;
     }
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        let outcomes = trace_packet(blobs, cells, rays, false, scratch);
+        let outcomes = packet::trace(blobs, cells, rays, false, scratch);
         for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
             *hit = match outcome {
                 Outcome::Miss => None,
@@ -104,7 +104,7 @@ pub fn occluded_many(
         return;
     }
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        let outcomes = trace_packet(blobs, cells, rays, true, scratch);
+        let outcomes = packet::trace(blobs, cells, rays, true, scratch);
         for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
             *hit = match outcome {
                 Outcome::Miss => false,
@@ -113,18 +113,6 @@ pub fn occluded_many(
             };
         }
     }
-}
-
-fn trace_packet(
-    blobs: &Blobs,
-    cells: &Cells,
-    rays: &[Ray],
-    any: bool,
-    scratch: &mut Scratch,
-) -> [Outcome; LANES] {
-    let traceable = rays.iter().filter(|ray| ray.is_traceable());
-    scratch.counters.rays += traceable.count() as u64;
-    packet::trace(blobs, cells, rays, any, scratch)
 }
 
 /// First crossing of a traceable object-space ray.

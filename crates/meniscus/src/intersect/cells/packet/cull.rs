@@ -138,7 +138,7 @@ impl LeafView<'_> {
                     .store_slice(&mut kept[count..count + LANES]);
                 count += bits.count_ones() as usize;
             }
-            slots = slots + 16;
+            slots += 16;
         }
         count
     }

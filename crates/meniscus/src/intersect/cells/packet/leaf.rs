@@ -20,6 +20,8 @@ pub(super) struct ActiveBlob {
     pub(super) beta: [f32; LANES],
     pub(super) g0: [f32; LANES],
     pub(super) weight: f32,
+    /// β where it is the same for every ray; `beta` is not set then.
+    pub(super) common_beta: f32,
     /// Which blob of the leaf.
     slot: u32,
 }
@@ -49,6 +51,7 @@ impl ActiveLanes {
             beta: [0.0; LANES],
             g0: [0.0; LANES],
             weight: 0.0,
+            common_beta: 0.0,
             slot: 0,
         };
         self.blobs.resize(len, NONE);
@@ -156,7 +159,7 @@ impl LeafView<'_> {
                 crossed,
                 unclear,
                 at,
-            } = step::first_crossings::<S, K>(
+            } = step::first_crossings::<S, K, P>(
                 simd,
                 job,
                 active,
@@ -252,7 +255,11 @@ impl LeafView<'_> {
             }
             let blob = &mut active.blobs[count];
             line.c.store_slice(&mut blob.c);
-            line.beta.store_slice(&mut blob.beta);
+            if P::BETA_TURNS {
+                line.beta.store_slice(&mut blob.beta);
+            } else {
+                blob.common_beta = columns[0] * columns[0];
+            }
             line.g0.store_slice(&mut blob.g0);
             blob.weight = weight;
             blob.slot = slot;

@@ -123,6 +123,7 @@ fn trace_groups<S: Simd, K: KernelShape, P: Primitive>(
     let Some(prepared) = Prepared::new(blobs, cells, rays) else {
         return;
     };
+    scratch.counters.rays += prepared.traceable;
     let job = Job {
         threshold: blobs.field.threshold,
         tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,

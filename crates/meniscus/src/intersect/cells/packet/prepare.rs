@@ -23,6 +23,8 @@ pub(super) struct Prepared {
     per_unit: [f64; LANES],
     /// Lengths of the stretches.
     pub(super) length: [f32; LANES],
+    /// Rays that can hit anything.
+    pub(super) traceable: u64,
     /// Lanes whose ray meets the cells' box.
     pub(super) present: u32,
     /// Lanes whose ray starts at the caller's t_min.
@@ -41,10 +43,12 @@ impl Prepared {
         let mut origin = [[0.0_f64; LANES]; 3];
         let mut direction = [[1.0_f64; LANES]; 3];
         let (mut t_min, mut t_max) = ([0.0_f64; LANES], [-1.0_f64; LANES]);
+        let mut traceable = 0;
         for (lane, ray) in rays.iter().take(LANES).enumerate() {
             if !ray.is_traceable() {
                 continue;
             }
+            traceable += 1;
             for axis in 0..3 {
                 origin[axis][lane] = ray.origin[axis] - blobs.field.origin[axis];
                 direction[axis][lane] = ray.direction[axis];
@@ -115,6 +119,7 @@ impl Prepared {
             t_start: enter,
             per_unit,
             length,
+            traceable,
             present,
             starts_at_t_min: starts_at_t_min & present,
             inside: 0,
