@@ -59,16 +59,16 @@ pub fn closest_many(
     hits: &mut [Option<BlobHit>],
     scratch: &mut Scratch,
 ) {
-    if rays.len() < packet::FEWEST {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = ray
-                .is_traceable()
-                .then(|| closest(blobs, cells, ray, scratch))
-                .flatten();
-        }
-        return;
-    }
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
+        if !packet::may_be_coherent(rays) {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = ray
+                    .is_traceable()
+                    .then(|| closest(blobs, cells, ray, scratch))
+                    .flatten();
+            }
+            continue;
+        }
         let outcomes = packet::trace(blobs, cells, rays, false, scratch);
         for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
             *hit = match outcome {
@@ -97,13 +97,13 @@ pub fn occluded_many(
     hits: &mut [bool],
     scratch: &mut Scratch,
 ) {
-    if rays.len() < packet::FEWEST {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = ray.is_traceable() && occluded(blobs, cells, ray, scratch);
-        }
-        return;
-    }
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
+        if !packet::may_be_coherent(rays) {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = ray.is_traceable() && occluded(blobs, cells, ray, scratch);
+            }
+            continue;
+        }
         let outcomes = packet::trace(blobs, cells, rays, true, scratch);
         for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
             *hit = match outcome {

@@ -17,13 +17,25 @@ use fearless_simd::{Simd, f32x16, u32x16};
 #[repr(C, align(64))]
 pub(super) struct ActiveBlob {
     pub(super) c: [f32; LANES],
-    pub(super) beta: [f32; LANES],
+    beta: [f32; LANES],
     pub(super) g0: [f32; LANES],
     pub(super) weight: f32,
     /// β where it is the same for every ray; `beta` is not set then.
-    pub(super) common_beta: f32,
+    common_beta: f32,
     /// Which blob of the leaf.
     slot: u32,
+}
+
+impl ActiveBlob {
+    /// β per lane.
+    #[inline(always)]
+    pub(super) fn beta_lanes<S: Simd, P: Primitive>(&self, simd: S) -> f32x16<S> {
+        if P::BETA_TURNS {
+            f32x16::from_slice(simd, &self.beta)
+        } else {
+            f32x16::splat(simd, self.common_beta)
+        }
+    }
 }
 
 /// The blobs that a packet meets in a leaf.

@@ -6,6 +6,7 @@
 //! inside) is handed back to be traced alone.
 
 mod cull;
+mod few;
 mod leaf;
 mod prepare;
 mod step;
@@ -36,7 +37,7 @@ const DIRECTION_SPREAD: f64 = 0.06;
 const ORIGIN_SPREAD_SPACINGS: f64 = 8.0;
 
 /// Fewer rays are traced one by one.
-pub(super) const FEWEST: usize = 4;
+const FEWEST: usize = 4;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -91,6 +92,19 @@ struct Job {
     near_start: f32,
     /// Only whether there is a crossing is asked for.
     any: bool,
+}
+
+/// Whether some rays point the same way, so that it may pay to look closer. Those that start a
+/// bounce in all directions are told apart here, for less than it costs to prepare them.
+pub(super) fn may_be_coherent(rays: &[Ray]) -> bool {
+    [0, rays.len() / 2].into_iter().any(|leader| {
+        let Some(leader) = rays.get(leader) else {
+            return false;
+        };
+        let spread = DIRECTION_SPREAD * leader.direction.abs().max_element() * 2.0;
+        let alike = |ray: &&Ray| (ray.direction - leader.direction).abs().max_element() <= spread;
+        rays.iter().filter(alike).count() >= FEWEST
+    })
 }
 
 /// Traces up to sixteen rays and says what became of each.

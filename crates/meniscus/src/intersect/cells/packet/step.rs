@@ -3,8 +3,8 @@
 //! With φ = F − T < 0 and K ≥ φ″ on the segment, φ stays below the parabola φ + φ′δ + Kδ²/2, so no
 //! crossing lies before its root. Near a crossing the steps become Newton's.
 
-use super::Job;
 use super::leaf::ActiveLanes;
+use super::{Job, few};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::primitive::Primitive;
@@ -49,6 +49,13 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
     let mut at = zero;
     let mut crossings = zero;
     let (mut crossed, mut unclear, mut rest) = (0, 0, todo);
+    if at_start == 0 {
+        if let [blob] = active.blobs() {
+            return few::lone_blob::<S, K, P>(simd, job, blob, (todo, length));
+        }
+        at = few::first_support::<S, P>(simd, active);
+        rest &= at.simd_le(length).to_bitmask() as u32;
+    }
     for step in 0..MOST_STEPS {
         let (phi, slope) = sample::<S, K, P>(simd, job, active, at);
         let root = (slope * slope - rise * phi * 2.0).max(zero).sqrt();
@@ -117,12 +124,7 @@ fn sample<S: Simd, K: KernelShape, P: Primitive>(
     let (mut sum, mut slope) = (zero, zero);
     for blob in active.blobs() {
         let away = f32x16::from_slice(simd, &blob.c) - at;
-        let beta = if P::BETA_TURNS {
-            f32x16::from_slice(simd, &blob.beta)
-        } else {
-            f32x16::splat(simd, blob.common_beta)
-        };
-        let pull = away * beta;
+        let pull = away * blob.beta_lanes::<S, P>(simd);
         let g = (f32x16::from_slice(simd, &blob.g0) - pull * away).max(zero);
         let weight = f32x16::splat(simd, blob.weight);
         sum = Number::mul_add(K::of_g(g), weight, sum);
