@@ -1,7 +1,8 @@
 //! Refines a coarse cell: split at midpoints, drop what is proven empty or solid.
 
+use super::coarse::CoarseBox;
 use super::filter::{self, BlobList, FieldBounds, filter};
-use super::layout::{Block, Columns};
+use super::layout::{Block, Columns, DEEP};
 use super::leaf::finish_leaf;
 use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
@@ -18,8 +19,8 @@ pub struct BuildRule {
     pub few_side: f32,
     /// A cell below this side is a leaf however many blobs it has.
     pub smallest_side: f32,
-    /// A cell whose field at the centre is this many times the threshold probably is solid, and is
-    /// split down to `smallest_side`.
+    /// A cell below `few_side` whose field at the centre is this many times the threshold probably is
+    /// solid: it is put off, and when a ray comes split down to `smallest_side`.
     pub deep: f32,
 }
 
@@ -41,7 +42,8 @@ pub(super) enum BinaryNode {
         axis: usize,
         halves: Box<[BinaryNode; 2]>,
     },
-    /// A leaf: its box, and its header block or its place among the coarse cells.
+    /// A leaf: its box, and its header block, or its place among the coarse cells, or [`DEEP`] and
+    /// its place among the cells put off.
     Leaf { bounds: Aabb, block: u32 },
 }
 
@@ -101,14 +103,22 @@ pub(super) fn halves(cell: Aabb) -> (usize, [Aabb; 2]) {
     (axis, halves)
 }
 
-fn is_leaf<S: Simd, K: KernelShape, P: Primitive>(
+/// What to do with a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Step {
+    Split,
+    Finish,
+    /// Leave it until a ray comes.
+    PutOff,
+}
+
+fn next_step<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     list: &BlobList,
     cell: Aabb,
-    stalled: u32,
-    depth: u32,
+    (stalled, depth): (u32, u32),
     context: &BuildContext,
-) -> bool {
+) -> Step {
     let support = smallest_support::<P>(list);
     let side = cell.size().max_element();
     let rule = &context.rule;
@@ -118,12 +128,19 @@ fn is_leaf<S: Simd, K: KernelShape, P: Primitive>(
         || side < 32.0 * context.pad
         || depth >= MAX_DEPTH
     {
-        return true;
+        return Step::Finish;
     }
-    // Deep inside, smaller cells will soon be proven solid and cost nothing.
-    list.count <= rule.few_blobs
-        && side < rule.few_side * support
-        && filter::field_value::<S, K, P>(simd, list, cell.center()) < rule.deep * context.threshold
+    if side >= rule.few_side * support {
+        return Step::Split;
+    }
+    let value = filter::field_value::<S, K, P>(simd, list, cell.center());
+    if value >= rule.deep * context.threshold {
+        Step::PutOff
+    } else if list.count <= rule.few_blobs {
+        Step::Finish
+    } else {
+        Step::Split
+    }
 }
 
 /// Splits in a row that shortened neither half's list.
@@ -150,36 +167,53 @@ pub(super) fn joined(
     }
 }
 
+/// The inside of a cell.
+pub(super) struct Built {
+    pub(super) root: BinaryNode,
+    pub(super) blocks: Vec<Block>,
+    /// Cells put off, in the order of their indices.
+    pub(super) deep: Vec<CoarseBox>,
+}
+
 /// Builds one subtree; keeps a list buffer per depth.
 pub(super) struct Builder<'a, K, P> {
     context: &'a BuildContext,
+    leave_deep: bool,
     blocks: Vec<Block>,
+    deep: Vec<CoarseBox>,
     buffers: Vec<BlobList>,
     leaf_buffer: BlobList,
     formula: std::marker::PhantomData<(K, P)>,
 }
 
 impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
-    pub(super) fn new(context: &'a BuildContext) -> Self {
+    /// `leave_deep`: what probably is solid is not split but put on a list.
+    pub(super) fn new(context: &'a BuildContext, leave_deep: bool) -> Self {
         Self {
             context,
+            leave_deep,
             blocks: Vec::new(),
+            deep: Vec::new(),
             buffers: Vec::new(),
             leaf_buffer: BlobList::default(),
             formula: std::marker::PhantomData,
         }
     }
 
-    /// The subtree of `cell`, whose blobs are in `list`, and its leaf blocks.
+    /// The subtree of `cell`, whose blobs are in `list`.
     pub(super) fn build<S: Simd>(
         mut self,
         simd: S,
         cell: Aabb,
         list: &BlobList,
         depth: u32,
-    ) -> Option<(BinaryNode, Vec<Block>)> {
+    ) -> Option<Built> {
         let root = self.subtree(simd, cell, list, 0, depth)?;
-        Some((root, self.blocks))
+        Some(Built {
+            root,
+            blocks: self.blocks,
+            deep: self.deep,
+        })
     }
 
     fn subtree<S: Simd>(
@@ -190,7 +224,19 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
         stalled: u32,
         depth: u32,
     ) -> Option<BinaryNode> {
-        if is_leaf::<S, K, P>(simd, list, cell, stalled, depth, self.context) {
+        let step = next_step::<S, K, P>(simd, list, cell, (stalled, depth), self.context);
+        if step == Step::PutOff && self.leave_deep {
+            let index = self.deep.len() as u32;
+            self.deep.push(CoarseBox {
+                bounds: cell,
+                depth,
+            });
+            return Some(BinaryNode::Leaf {
+                bounds: cell,
+                block: DEEP | index,
+            });
+        }
+        if step == Step::Finish {
             let kept = &mut self.leaf_buffer;
             return finish_leaf::<S, K, P>(simd, self.context, cell, list, kept, &mut self.blocks)
                 .map(|(bounds, block)| BinaryNode::Leaf { bounds, block });

@@ -25,8 +25,12 @@ impl Block {
     pub const ZERO: Self = Self([0.0; LANES]);
 }
 
-/// Marks a child reference as a leaf; the rest is the index of its header block.
+/// Marks a child reference as a leaf; the rest is the index of its header block, or in the tree of
+/// coarse cells that of a coarse cell.
 pub const LEAF: u32 = 1 << 31;
+
+/// Marks a leaf reference as one to a cell that is refined when a ray comes; the rest is its index.
+pub const DEEP: u32 = 1 << 30;
 
 /// Eight children: their boxes axis by axis, where they are, and in which order rays meet them.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@
 //!
 //! Only coarse cells are made at once. What lies below one is refined when the first ray
 //! comes there, once and to the same bits whoever comes first: a picture sees a part of the surface,
-//! and nothing of what is deep inside.
+//! and nothing of what is deep inside. So a cell in it that seems to lie deep is put off once more.
 
 mod build;
 mod coarse;
@@ -44,20 +44,44 @@ pub struct Cells {
     refinement_nanos: AtomicU64,
 }
 
-/// A coarse cell and what lies below it once a ray has come.
+/// A cell whose inside is made when the first ray comes.
 #[derive(Debug)]
 struct CoarseCell {
     place: CoarseBox,
     part: OnceLock<Option<Box<Part>>>,
 }
 
+impl CoarseCell {
+    fn all(boxes: Vec<CoarseBox>) -> Vec<Self> {
+        let unrefined = |place| Self {
+            place,
+            part: OnceLock::new(),
+        };
+        boxes.into_iter().map(unrefined).collect()
+    }
+
+    /// Memory of what has been refined.
+    fn refined_bytes(&self) -> usize {
+        let Some(Some(part)) = self.part.get() else {
+            return 0;
+        };
+        size_of::<Part>()
+            + part.nodes.capacity() * size_of::<Node>()
+            + part.blocks.capacity() * size_of::<Block>()
+            + part.deep.capacity() * size_of::<Self>()
+            + part.deep.iter().map(Self::refined_bytes).sum::<usize>()
+    }
+}
+
 /// The refined inside of a coarse cell.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Part {
     /// Eight-wide nodes, root first. Leaf references are indices of header blocks.
     pub nodes: Vec<Node>,
     /// Leaves; see [`layout`].
     pub blocks: Vec<Block>,
+    /// Cells that probably are solid, so that few rays come there.
+    deep: Vec<CoarseCell>,
 }
 
 impl Cells {
@@ -93,13 +117,7 @@ impl Cells {
         let pad = 0.5 * context.pad;
         Self {
             nodes: collapse::collapse(&root, pad),
-            coarse: boxes
-                .into_iter()
-                .map(|place| CoarseCell {
-                    place,
-                    part: OnceLock::new(),
-                })
-                .collect(),
+            coarse: CoarseCell::all(boxes),
             bounds: Some(root.bounds().padded(pad)),
             context,
             refinement_nanos: AtomicU64::new(0),
@@ -112,45 +130,48 @@ impl Cells {
         &self.context.stored
     }
 
-    /// What lies below coarse cell `index` of the structure of `field`; refined if this is the first
-    /// question. `None`: no surface.
+    /// What lies in coarse cell `index` of the structure of `field`, or in deep cell `index` of a part
+    /// of it; refined if this is the first question. `None`: no surface.
     #[inline(always)]
-    pub fn part<S: Simd, K: KernelShape, P: Primitive>(
-        &self,
+    pub fn part<'a, S: Simd, K: KernelShape, P: Primitive>(
+        &'a self,
         simd: S,
         field: &BlobField,
+        within: Option<&'a Part>,
         index: u32,
-    ) -> Option<&Part> {
-        let part = &self.coarse[index as usize].part;
+    ) -> Option<&'a Part> {
+        let cells = within.map_or(&self.coarse, |part| &part.deep);
+        let CoarseCell { place, part } = &cells[index as usize];
         let part = match part.get() {
             Some(part) => part,
             None => part.get_or_init(
                 #[cold]
-                || self.refined::<S, K, P>(simd, field, index),
+                || self.refined::<S, K, P>(simd, field, place, within.is_none()),
             ),
         };
         part.as_deref()
     }
 
+    /// Refines a cell; `leave_deep` puts off what lies deep inside once more.
     #[inline(never)]
     fn refined<S: Simd, K: KernelShape, P: Primitive>(
         &self,
         simd: S,
         field: &BlobField,
-        index: u32,
+        place: &CoarseBox,
+        leave_deep: bool,
     ) -> Option<Box<Part>> {
         let start = Instant::now();
-        let CoarseBox { bounds, depth } = self.coarse[index as usize].place;
+        let CoarseBox { bounds, depth } = *place;
         let list = blobs_reaching::<P>(field, self.context.stored, bounds.padded(self.context.pad));
-        let builder = Builder::<K, P>::new(&self.context);
-        let part = builder
-            .build(simd, bounds, &list, depth)
-            .map(|(root, blocks)| {
-                Box::new(Part {
-                    nodes: collapse::collapse(&root, 0.5 * self.context.pad),
-                    blocks,
-                })
-            });
+        let builder = Builder::<K, P>::new(&self.context, leave_deep);
+        let part = builder.build(simd, bounds, &list, depth).map(|built| {
+            Box::new(Part {
+                nodes: collapse::collapse(&built.root, 0.5 * self.context.pad),
+                blocks: built.blocks,
+                deep: CoarseCell::all(built.deep),
+            })
+        });
         let nanos = start.elapsed().as_nanos() as u64;
         self.refinement_nanos.fetch_add(nanos, Ordering::Relaxed);
         part
@@ -163,17 +184,7 @@ impl Cells {
 
     /// Memory held now.
     pub fn structure_bytes(&self) -> usize {
-        let parts = self
-            .coarse
-            .iter()
-            .filter_map(|cell| cell.part.get()?.as_deref());
-        let refined: usize = parts
-            .map(|part| {
-                size_of::<Part>()
-                    + part.nodes.capacity() * size_of::<Node>()
-                    + part.blocks.capacity() * size_of::<Block>()
-            })
-            .sum();
+        let refined: usize = self.coarse.iter().map(CoarseCell::refined_bytes).sum();
         self.nodes.capacity() * size_of::<Node>()
             + self.coarse.capacity() * size_of::<CoarseCell>()
             + refined
@@ -198,7 +209,7 @@ fn default_rule(field: &BlobField) -> BuildRule {
         BuildRule {
             few_blobs: 128,
             few_side: 2.0,
-            smallest_side: 0.7,
+            smallest_side: 0.35,
             deep: 1.5,
         }
     } else {

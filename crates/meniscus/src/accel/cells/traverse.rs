@@ -1,6 +1,6 @@
 //! Visits the leaves that a ray pierces, nearest first.
 
-use super::layout::{LEAF, Node};
+use super::layout::{DEEP, LEAF, Node};
 use super::{Cells, Part};
 use crate::math::simd::{splat3, xyz};
 use fearless_simd::prelude::*;
@@ -82,15 +82,70 @@ impl Octant {
     }
 }
 
-/// Instead of a coarse cell's index: in the tree of coarse cells.
-pub const TOP: u32 = u32::MAX;
+/// The tree that a traversal is in: that of the coarse cells, one of their parts, or a part of a deep
+/// cell in that one. Each is done before the next of its kind begins, so a stack needs no more than
+/// the level of an entry.
+#[derive(Debug, Clone, Copy)]
+pub struct Level<'a> {
+    cells: &'a Cells,
+    parts: [Option<&'a Part>; 2],
+    level: u32,
+    /// Its nodes.
+    pub nodes: &'a [Node],
+}
+
+impl<'a> Level<'a> {
+    /// That of the coarse cells.
+    #[inline(always)]
+    pub fn top(cells: &'a Cells) -> Self {
+        Self {
+            cells,
+            parts: [None; 2],
+            level: 0,
+            nodes: &cells.nodes,
+        }
+    }
+
+    /// The number of this level, for [`Level::back_to`].
+    #[inline(always)]
+    pub fn number(&self) -> u32 {
+        self.level
+    }
+
+    /// The part that this level lies in; `None` at the top.
+    #[inline(always)]
+    pub fn part(&self) -> Option<&'a Part> {
+        match self.level {
+            0 => None,
+            1 => self.parts[0],
+            _ => self.parts[1],
+        }
+    }
+
+    /// Goes down into a part of this level.
+    #[inline(always)]
+    pub fn enter(&mut self, part: &'a Part) {
+        self.parts[self.level as usize & 1] = Some(part);
+        self.level += 1;
+        self.nodes = &part.nodes;
+    }
+
+    /// Returns to a level above, or stays.
+    #[inline(always)]
+    pub fn back_to(&mut self, level: u32) {
+        if self.level != level {
+            self.level = level;
+            self.nodes = self.part().map_or(&self.cells.nodes, |part| &part.nodes);
+        }
+    }
+}
 
 /// A subtree or leaf to visit and the ray's range in its box.
 #[derive(Debug, Clone, Copy)]
 struct Visit {
     reference: u32,
-    /// The coarse cell that it lies in, or [`TOP`].
-    coarse: u32,
+    /// Of the tree that it lies in.
+    level: u32,
     near: f32,
     far: f32,
 }
@@ -105,7 +160,7 @@ impl Default for Stack {
     fn default() -> Self {
         const NOWHERE: Visit = Visit {
             reference: 0,
-            coarse: TOP,
+            level: 0,
             near: 0.0,
             far: 0.0,
         };
@@ -116,14 +171,14 @@ impl Default for Stack {
 }
 
 /// Calls `leaf(part, block index, t near, t far)` for the pierced leaves from near to far until it
-/// returns true; `open` gives the inside of a coarse cell. Returns the number of nodes visited.
+/// returns true; `open` gives the inside of a coarse cell, or of a deep one of a part. Returns the number of nodes visited.
 #[inline(always)]
 pub fn visit_leaves<'a, S: Simd>(
     simd: S,
     cells: &'a Cells,
     ray: &SlabRay,
     stack: &mut Stack,
-    mut open: impl FnMut(u32) -> Option<&'a Part>,
+    mut open: impl FnMut(Option<&'a Part>, u32) -> Option<&'a Part>,
     mut leaf: impl FnMut(&'a Part, u32, f32, f32) -> bool,
 ) -> u64 {
     if cells.nodes.is_empty() {
@@ -142,32 +197,32 @@ pub fn visit_leaves<'a, S: Simd>(
     let mut nodes_visited = 0;
     let mut current = Visit {
         reference: 0,
-        coarse: TOP,
+        level: 0,
         near: 0.0,
         far: ray.t_max,
     };
-    let mut nodes: &[Node] = &cells.nodes;
-    let mut inside: Option<&'a Part> = None;
+    let mut level = Level::top(cells);
     loop {
         if current.reference & LEAF != 0 {
-            let index = current.reference & !LEAF;
-            match inside {
-                Some(part) => {
+            let part = level.part();
+            let index = current.reference & !(LEAF | DEEP);
+            match part {
+                Some(part) if current.reference & DEEP == 0 => {
                     if leaf(part, index, current.near, current.far) {
                         return nodes_visited;
                     }
                 }
-                None => {
-                    if let Some(part) = open(index) {
-                        (inside, nodes) = (Some(part), &part.nodes);
-                        (current.reference, current.coarse) = (0, index);
+                _ => {
+                    if let Some(inside) = open(part, index) {
+                        level.enter(inside);
+                        (current.reference, current.level) = (0, level.number());
                         continue;
                     }
                 }
             }
         } else {
             nodes_visited += 1;
-            let node = &nodes[current.reference as usize];
+            let node = &level.nodes[current.reference as usize];
             let near = xyz(
                 #[inline(always)]
                 |axis| {
@@ -215,11 +270,7 @@ pub fn visit_leaves<'a, S: Simd>(
             return nodes_visited;
         }
         depth -= 1;
-        let next = visits[depth % STACK];
-        if next.coarse != current.coarse {
-            // Only back to the top: a coarse cell is done before the next begins.
-            (inside, nodes) = (None, &cells.nodes);
-        }
-        current = next;
+        current = visits[depth % STACK];
+        level.back_to(current.level);
     }
 }

@@ -240,7 +240,7 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
                 &slab_ray,
                 stack,
                 #[inline(always)]
-                |coarse| cells.part::<S, K, P>(simd, &blobs.field, coarse),
+                |within, index| cells.part::<S, K, P>(simd, &blobs.field, within, index),
                 #[inline(always)]
                 |part, block, near, far| {
                     counters.leaves += 1;

@@ -223,7 +223,7 @@ fn trace_group<S: Simd, K: KernelShape, P: Primitive>(
         group,
         stack,
         #[inline(always)]
-        |coarse| cells.part::<S, K, P>(simd, &blobs.field, coarse),
+        |within, index| cells.part::<S, K, P>(simd, &blobs.field, within, index),
         #[inline(always)]
         |lanes, part, block, mask, near, far| {
             let leaf = LeafView::new::<P>(cells, part, block);

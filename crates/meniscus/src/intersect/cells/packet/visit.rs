@@ -5,8 +5,8 @@
 //! box. Only the boxes of leaves are tested ray by ray.
 
 use super::Lanes;
-use crate::accel::cells::layout::{LEAF, Node};
-use crate::accel::cells::traverse::{Octant, STACK, TOP};
+use crate::accel::cells::layout::{DEEP, LEAF, Node};
+use crate::accel::cells::traverse::{Level, Octant, STACK};
 use crate::accel::cells::{Cells, Part};
 use crate::math::simd::xyz;
 use fearless_simd::prelude::*;
@@ -16,8 +16,8 @@ use fearless_simd::{Simd, f32x8, f32x16, mask32x16};
 #[derive(Debug, Clone, Copy)]
 struct Visit {
     reference: u32,
-    /// The coarse cell that it lies in, or [`TOP`].
-    coarse: u32,
+    /// Of the tree that it lies in.
+    level: u32,
     /// Its parent and its place there.
     parent: u32,
     slot: u32,
@@ -31,7 +31,7 @@ impl Default for PacketStack {
     fn default() -> Self {
         const ROOT: Visit = Visit {
             reference: 0,
-            coarse: TOP,
+            level: 0,
             parent: 0,
             slot: 0,
         };
@@ -121,8 +121,8 @@ impl<S: Simd> Beam<S> {
 }
 
 /// Calls `leaf(lanes, part, block, mask, t near, t far)` for the leaves that lanes of `alive` pierce,
-/// from near to far; it returns the lanes that are done. `open` gives the inside of a coarse cell.
-/// Returns the nodes visited, once per lane that was still under way.
+/// from near to far; it returns the lanes that are done. `open` gives the inside of a coarse cell,
+/// or of a deep one of a part. Returns the nodes visited, once per lane that was still under way.
 #[inline(always)]
 pub(super) fn visit_leaves<'a, S: Simd>(
     simd: S,
@@ -130,42 +130,41 @@ pub(super) fn visit_leaves<'a, S: Simd>(
     lanes: &mut Lanes<'_, S>,
     mut alive: u32,
     stack: &mut PacketStack,
-    mut open: impl FnMut(u32) -> Option<&'a Part>,
+    mut open: impl FnMut(Option<&'a Part>, u32) -> Option<&'a Part>,
     mut leaf: impl FnMut(&mut Lanes<'_, S>, &'a Part, u32, u32, f32x16<S>, f32x16<S>) -> u32,
 ) -> u64 {
     let visits = &mut stack.0;
     let octant = Octant::new(lanes.negative);
     let beam = Beam::new(simd, lanes, alive);
     let mut nodes_visited = 0;
-    let mut nodes: &[Node] = &cells.nodes;
-    let mut inside: Option<&'a Part> = None;
+    let mut level = Level::top(cells);
     let mut depth = 0;
     let mut visit = Visit {
         reference: 0,
-        coarse: TOP,
+        level: 0,
         parent: 0,
         slot: 0,
     };
     loop {
         let mut is_leaf = visit.reference & LEAF != 0;
         if is_leaf {
-            let index = visit.reference & !LEAF;
-            match inside {
-                Some(part) => {
-                    let node = &nodes[visit.parent as usize];
-                    let (near, far) = range_in(simd, lanes, node, &octant, visit.slot as usize);
-                    let mask = near.simd_le(far).to_bitmask() as u32 & alive;
-                    if mask != 0 {
-                        alive &= !leaf(lanes, part, index, mask, near, far);
-                        if alive == 0 {
-                            return nodes_visited;
-                        }
+            let node = &level.nodes[visit.parent as usize];
+            let (near, far) = range_in(simd, lanes, node, &octant, visit.slot as usize);
+            let mask = near.simd_le(far).to_bitmask() as u32 & alive;
+            let part = level.part();
+            let index = visit.reference & !(LEAF | DEEP);
+            match part {
+                _ if mask == 0 => {}
+                Some(part) if visit.reference & DEEP == 0 => {
+                    alive &= !leaf(lanes, part, index, mask, near, far);
+                    if alive == 0 {
+                        return nodes_visited;
                     }
                 }
-                None => {
-                    if let Some(part) = open(index) {
-                        (inside, nodes) = (Some(part), &part.nodes);
-                        (visit.reference, visit.coarse) = (0, index);
+                _ => {
+                    if let Some(inside) = open(part, index) {
+                        level.enter(inside);
+                        (visit.reference, visit.level) = (0, level.number());
                         is_leaf = false;
                     }
                 }
@@ -173,7 +172,7 @@ pub(super) fn visit_leaves<'a, S: Simd>(
         }
         if !is_leaf {
             nodes_visited += u64::from(alive.count_ones());
-            let node = &nodes[visit.reference as usize];
+            let node = &level.nodes[visit.reference as usize];
             let pierced = beam.pierced(simd, node, &octant);
             let mut rest = pierced;
             while rest != 0 {
@@ -181,7 +180,7 @@ pub(super) fn visit_leaves<'a, S: Simd>(
                 rest &= rest - 1;
                 visits[(depth + octant.height(node, pierced, slot)) % STACK] = Visit {
                     reference: node.children[slot],
-                    coarse: visit.coarse,
+                    level: visit.level,
                     parent: visit.reference,
                     slot: slot as u32,
                 };
@@ -193,9 +192,7 @@ pub(super) fn visit_leaves<'a, S: Simd>(
         }
         depth -= 1;
         visit = visits[depth % STACK];
-        if visit.coarse == TOP {
-            (inside, nodes) = (None, &cells.nodes);
-        }
+        level.back_to(visit.level);
     }
 }
 
