@@ -14,6 +14,9 @@ use glam::DVec3;
 /// the sizes of weights must also be at least its inverse.
 pub const LARGEST_COORDINATE: f64 = 1e18;
 
+/// Supports that differ by no more than this factor keep the particles' own tree.
+const SIMILAR_SUPPORTS: f64 = 4.0;
+
 /// A field and what a user should know about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldBuild {
@@ -98,7 +101,13 @@ impl BlobField {
             let keep = build.drop_weights("its volume is beyond all others'")?;
             supports.retain(&keep);
         }
-        build.pack(settings, supports, rule.source(order), spacing)
+        let (least, largest) = supports.range();
+        let are_similar = largest <= SIMILAR_SUPPORTS * least && supports.len() == positions.len();
+        let mut built = build.pack(settings, supports, rule.source(order), spacing)?;
+        if are_similar {
+            built.field.adopt_tree(&points);
+        }
+        Ok(built)
     }
 }
 

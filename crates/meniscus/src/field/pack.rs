@@ -7,10 +7,13 @@ use super::{
 };
 use crate::scene::surface::BlobSettings;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Share of the particles left out at either end of each axis when the origin is chosen, so that a few
 /// that flew far away do not cost the rest their precision.
 const OUTLIERS: f64 = 0.02;
+/// Particles that one task handles at least.
+const PARALLEL: usize = 1 << 14;
 /// At most this many particles decide on the origin.
 const SAMPLES: usize = 1 << 12;
 
@@ -26,7 +29,8 @@ impl Build<'_> {
         let positions = self.positions();
         let origin = local_origin(&positions);
         let centers: Vec<[f32; 3]> = positions
-            .iter()
+            .par_iter()
+            .with_min_len(PARALLEL)
             .map(|p| (*p - origin).as_vec3().to_array())
             .collect();
         let attributes = self.attributes(&settings.attributes)?;
@@ -42,9 +46,10 @@ impl Build<'_> {
             warnings: self.dropped.iter().map(|d| d.sentence()).collect(),
         };
         let largest = positions
-            .iter()
+            .par_iter()
+            .with_min_len(PARALLEL)
             .map(|p| (*p - origin).abs().max_element())
-            .fold(0.0, f64::max);
+            .reduce(|| 0.0, f64::max);
         report.warnings.extend(notes(&report, largest));
         let weights = match &self.weights {
             None => vec![1.0; self.kept.len()],
@@ -59,7 +64,8 @@ impl Build<'_> {
             weights,
             rows: self
                 .kept
-                .iter()
+                .par_iter()
+                .with_min_len(PARALLEL)
                 .map(|&i| self.particles.rows[i as usize])
                 .collect(),
             attributes,

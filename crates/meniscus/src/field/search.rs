@@ -34,16 +34,25 @@ impl Search {
 impl BlobField {
     /// The tree over the packed supports.
     pub fn support_tree(&self) -> &BoxTree {
-        self.search.0.get_or_init(|| {
-            BoxTree::build(self.len(), |i| {
-                let center = self.center(i).as_dvec3();
-                let half = glam::Vec3::from_array(self.shapes.half_extents(i)).as_dvec3();
-                DAabb {
-                    min: center - half,
-                    max: center + half,
-                }
-            })
-        })
+        self.search
+            .0
+            .get_or_init(|| BoxTree::build(self.len(), |i| self.support_bounds(i)))
+    }
+
+    /// Takes the tree over the particles for that over the supports, which saves sorting them again.
+    /// Good for supports of similar sizes.
+    pub(super) fn adopt_tree(&mut self, points: &BoxTree) {
+        let tree = points.refitted(|i| self.support_bounds(i));
+        self.search = Search(OnceLock::from(tree));
+    }
+
+    fn support_bounds(&self, i: usize) -> DAabb {
+        let center = self.center(i).as_dvec3();
+        let half = glam::Vec3::from_array(self.shapes.half_extents(i)).as_dvec3();
+        DAabb {
+            min: center - half,
+            max: center + half,
+        }
     }
 
     /// Calls `visit(blob, y, q)` with every blob whose support contains the local point (q < 1), in a

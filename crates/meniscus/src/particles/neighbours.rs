@@ -9,6 +9,7 @@
 use crate::math::aabb::DAabb;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Items per leaf at most.
 const LEAF_SIZE: usize = 16;
@@ -99,17 +100,7 @@ impl BoxTree {
         mut enter: impl FnMut(&DAabb) -> bool,
         mut visit: impl FnMut(&'a [u32]),
     ) {
-        let mut i = 0;
-        while let Some(node) = self.nodes.get(i) {
-            if enter(&node.bounds) {
-                if node.count > 0 {
-                    visit(leaf_items(&self.order, node));
-                }
-                i += 1;
-            } else {
-                i += node.skip as usize;
-            }
-        }
+        self.for_each_range(&mut enter, |_, range| visit(&self.order[range]));
     }
 
     /// Calls `visit` with every item whose box contains `point`, and with some whose box does not:
@@ -131,27 +122,31 @@ impl BoxTree {
         );
     }
 
-    /// Calls `visit` with groups of items that hold all those whose box lies away from `point`, but
-    /// nearer than the square root of what `visit` returned last (first: `limit_squared`). Subtrees
-    /// that are nothing but this point are skipped: duplicates cost nothing.
+    /// Calls `visit` with the box and the range of [`BoxTree::order`] of each leaf whose box, and whose
+    /// ancestors' boxes, pass `enter`.
     #[inline]
-    pub fn for_each_group_nearer(
+    pub fn for_each_range(
         &self,
-        point: DVec3,
-        limit_squared: f64,
-        mut visit: impl FnMut(&[u32]) -> f64,
+        mut enter: impl FnMut(&DAabb) -> bool,
+        mut visit: impl FnMut(&DAabb, Range<usize>),
     ) {
-        let limit = std::cell::Cell::new(limit_squared);
-        self.for_each_leaf(
-            |bounds| {
-                let outside = (bounds.min - point)
-                    .max(point - bounds.max)
-                    .max(DVec3::ZERO);
-                let farthest = (bounds.min - point).abs().max((bounds.max - point).abs());
-                outside.length_squared() < limit.get() && farthest.length_squared() > 0.0
-            },
-            |items| limit.set(visit(items)),
-        );
+        let mut i = 0;
+        while let Some(node) = self.nodes.get(i) {
+            if enter(&node.bounds) {
+                if node.count > 0 {
+                    visit(&node.bounds, leaf_range(node));
+                }
+                i += 1;
+            } else {
+                i += node.skip as usize;
+            }
+        }
+    }
+
+    /// The ranges of [`BoxTree::order`] that the leaves hold, with their boxes.
+    pub fn ranges(&self) -> impl Iterator<Item = (&DAabb, Range<usize>)> {
+        let leaves = self.nodes.iter().filter(|node| node.count > 0);
+        leaves.map(|node| (&node.bounds, leaf_range(node)))
     }
 
     /// The leaves: groups of items near each other, in order along the curve.
@@ -171,8 +166,12 @@ impl BoxTree {
     }
 }
 
+fn leaf_range(node: &Node) -> Range<usize> {
+    node.first as usize..(node.first + node.count) as usize
+}
+
 fn leaf_items<'a>(order: &'a [u32], node: &Node) -> &'a [u32] {
-    &order[node.first as usize..][..node.count as usize]
+    &order[leaf_range(node)]
 }
 
 fn union_of(items: &[u32], bounds: &impl Fn(usize) -> DAabb) -> DAabb {

@@ -4,6 +4,8 @@ use super::neighbours::BoxTree;
 use crate::math::aabb::DAabb;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::cell::Cell;
+use std::ops::Range;
 
 /// The median over all particles of the distance to the nearest particle at a non-zero distance, or
 /// `None` when no two particles are apart. Positions must be finite. The result does not depend on
@@ -22,41 +24,74 @@ pub fn point_tree(positions: &[DVec3]) -> BoxTree {
 
 /// [`median_spacing`] with the points' tree at hand.
 pub fn median_spacing_in(tree: &BoxTree, positions: &[DVec3]) -> Option<f64> {
-    let groups: Vec<&[u32]> = tree.groups().collect();
+    // Along the curve, so that neighbours lie side by side in memory.
+    let along: Vec<DVec3> = tree
+        .order()
+        .par_iter()
+        .with_min_len(4096)
+        .map(|&item| positions[item as usize])
+        .collect();
+    let groups: Vec<(&DAabb, Range<usize>)> = tree.ranges().collect();
     let mut squares: Vec<f64> = groups
         .par_iter()
         .with_min_len(64)
-        .flat_map_iter(|group| nearest_of_group(tree, positions, group))
+        .flat_map_iter(|(bounds, range)| nearest_of_group(tree, &along, bounds, range.clone()))
         .collect();
     median(&mut squares)
 }
 
-/// Squared distances from each of `group` to its nearest neighbour apart from it; infinite when all
-/// particles lie at one place.
-fn nearest_of_group<'a>(
-    tree: &'a BoxTree,
-    positions: &'a [DVec3],
-    group: &'a [u32],
-) -> impl Iterator<Item = f64> + 'a {
-    group.iter().map(move |&item| {
-        let point = positions[item as usize];
-        let nearest = |items: &[u32], limit: f64| {
-            items.iter().fold(limit, |nearest, &other| {
-                let square = point.distance_squared(positions[other as usize]);
-                if square > 0.0 {
-                    nearest.min(square)
-                } else {
-                    nearest
+/// Squared distances from each point of a group to its nearest neighbour apart from it; infinite when
+/// all points lie at one place.
+fn nearest_of_group(
+    tree: &BoxTree,
+    along: &[DVec3],
+    bounds: &DAabb,
+    range: Range<usize>,
+) -> impl Iterator<Item = f64> + use<> {
+    let points = &along[range.clone()];
+    let mut nearest: Vec<f64> = points
+        .iter()
+        .map(|point| nearest_among(points, point, f64::INFINITY))
+        .collect();
+    let limit = Cell::new(farthest_of(&nearest));
+    tree.for_each_range(
+        |other| {
+            let gap = (other.min - bounds.max).max(bounds.min - other.max);
+            // Subtrees that are nothing but this one point are skipped: duplicates cost nothing.
+            let same_point = other.min == bounds.max && other.max == bounds.min;
+            gap.max(DVec3::ZERO).length_squared() < limit.get() && !same_point
+        },
+        |other, others| {
+            if others == range {
+                return;
+            }
+            for (point, nearest) in points.iter().zip(&mut nearest) {
+                let gap = (other.min - *point).max(*point - other.max);
+                if gap.max(DVec3::ZERO).length_squared() < *nearest {
+                    *nearest = nearest_among(&along[others.clone()], point, *nearest);
                 }
-            })
-        };
-        let mut best = nearest(group, f64::INFINITY);
-        tree.for_each_group_nearer(point, best, |items| {
-            best = nearest(items, best);
-            best
-        });
-        best
+            }
+            limit.set(farthest_of(&nearest));
+        },
+    );
+    nearest.into_iter()
+}
+
+/// The smallest squared distance from `point` to those of `points` that lie apart from it, if it is
+/// below `limit`.
+fn nearest_among(points: &[DVec3], point: &DVec3, limit: f64) -> f64 {
+    points.iter().fold(limit, |nearest, other| {
+        let square = point.distance_squared(*other);
+        if square > 0.0 && square < nearest {
+            square
+        } else {
+            nearest
+        }
     })
+}
+
+fn farthest_of(squares: &[f64]) -> f64 {
+    squares.iter().copied().fold(0.0, f64::max)
 }
 
 /// The square root of the median of squared distances.

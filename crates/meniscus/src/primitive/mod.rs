@@ -79,6 +79,14 @@ impl Shapes {
         self.len() == 0
     }
 
+    /// Whether all blobs have one shape.
+    pub fn are_alike(&self) -> bool {
+        match self {
+            Self::Balls(radii) => radii.windows(2).all(|pair| pair[0] == pair[1]),
+            Self::Ellipsoids(factors) => factors.windows(2).all(|pair| pair[0] == pair[1]),
+        }
+    }
+
     /// Half extents of blob `i`'s support box along x, y and z.
     pub fn half_extents(&self, i: usize) -> [f32; 3] {
         match self {

@@ -53,6 +53,23 @@ impl BinaryNode {
             Self::Split { bounds, .. } | Self::Leaf { bounds, .. } => *bounds,
         }
     }
+
+    /// Two halves parted across `axis`, the lower first.
+    pub(super) fn joined(axis: usize, low: Self, high: Self) -> Self {
+        Self::Split {
+            bounds: low.bounds().union(high.bounds()),
+            axis,
+            halves: Box::new([low, high]),
+        }
+    }
+
+    /// Adds `by` to the places of all leaves.
+    pub(super) fn renumber(&mut self, by: u32) {
+        match self {
+            Self::Split { halves, .. } => halves.iter_mut().for_each(|half| half.renumber(by)),
+            Self::Leaf { block, .. } => *block += by,
+        }
+    }
 }
 
 /// What does not change during a build.
@@ -152,21 +169,6 @@ fn next_stalled(stalled: u32, list: &BlobList, halves: [&BlobList; 2]) -> u32 {
     }
 }
 
-pub(super) fn joined(
-    axis: usize,
-    low: Option<BinaryNode>,
-    high: Option<BinaryNode>,
-) -> Option<BinaryNode> {
-    match (low, high) {
-        (Some(low), Some(high)) => Some(BinaryNode::Split {
-            bounds: low.bounds().union(high.bounds()),
-            axis,
-            halves: Box::new([low, high]),
-        }),
-        (one, other) => one.or(other),
-    }
-}
-
 /// The inside of a cell.
 pub(super) struct Built {
     pub(super) root: BinaryNode,
@@ -256,7 +258,9 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
             }
         }
         self.buffers.extend(lists);
-        let [low, high] = children;
-        joined(axis, low, high)
+        match children {
+            [Some(low), Some(high)] => Some(BinaryNode::joined(axis, low, high)),
+            [one, other] => one.or(other),
+        }
     }
 }

@@ -3,7 +3,7 @@
 //! It is split from groups of neighbouring blobs, so its cost is a small part of reading the
 //! particles. What lies below a coarse cell is made when the first ray comes there.
 
-use super::build::{BinaryNode, BuildContext, MAX_DEPTH, STALLED_SPLITS, halves, joined};
+use super::build::{BinaryNode, BuildContext, MAX_DEPTH, STALLED_SPLITS, halves};
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
 use glam::Vec3;
@@ -11,6 +11,9 @@ use glam::Vec3;
 /// A cell of at most this many groups is not split further here: small enough that rays rarely pay
 /// for what they do not see, large enough that the groups' overlap costs little.
 const FEW_GROUPS: usize = 96;
+
+/// Longer lists are split on several threads.
+const PARALLEL_GROUPS: usize = 2048;
 
 /// A coarse cell that may contain surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,25 +23,23 @@ pub(super) struct CoarseBox {
     pub(super) depth: u32,
 }
 
-/// The tree of coarse cells of `field` within `cell`; its leaves are indices into `boxes`.
+/// The tree of coarse cells of `field` within `cell`; its leaves are indices into the list.
 pub(super) fn split(
     field: &BlobField,
     context: &BuildContext,
     cell: Aabb,
-    boxes: &mut Vec<CoarseBox>,
-) -> Option<BinaryNode> {
+) -> Option<(BinaryNode, Vec<CoarseBox>)> {
     let groups: Vec<Aabb> = field
         .support_tree()
-        .leaves()
+        .ranges()
         .map(|(bounds, _)| outward(bounds.min.as_vec3(), bounds.max.as_vec3()))
         .collect();
     let all = (0..groups.len() as u32).collect();
-    Splitter {
+    let splitter = Splitter {
         groups: &groups,
         context,
-        boxes,
-    }
-    .split(cell, all, 0, 0)
+    };
+    splitter.split(cell, all, 0, 0)
 }
 
 /// Corners rounded outwards by one step, which conversion from f64 may have cost.
@@ -52,17 +53,16 @@ fn outward(min: Vec3, max: Vec3) -> Aabb {
 struct Splitter<'a> {
     groups: &'a [Aabb],
     context: &'a BuildContext,
-    boxes: &'a mut Vec<CoarseBox>,
 }
 
 impl Splitter<'_> {
     fn split(
-        &mut self,
+        &self,
         cell: Aabb,
         groups: Vec<u32>,
         stalled: u32,
         depth: u32,
-    ) -> Option<BinaryNode> {
+    ) -> Option<(BinaryNode, Vec<CoarseBox>)> {
         if groups.is_empty() {
             return None;
         }
@@ -79,9 +79,8 @@ impl Splitter<'_> {
                 bounds if bounds.is_empty() => cell,
                 bounds => bounds,
             };
-            let block = self.boxes.len() as u32;
-            self.boxes.push(CoarseBox { bounds, depth });
-            return Some(BinaryNode::Leaf { bounds, block });
+            let leaf = BinaryNode::Leaf { bounds, block: 0 };
+            return Some((leaf, vec![CoarseBox { bounds, depth }]));
         }
         let (axis, halves) = halves(cell);
         let lists = halves.map(|half| {
@@ -96,10 +95,23 @@ impl Splitter<'_> {
         } else {
             0
         };
+        let is_long = groups.len() > PARALLEL_GROUPS;
         drop(groups);
         let [low_list, high_list] = lists;
-        let low = self.split(halves[0], low_list, stalled, depth + 1);
-        let high = self.split(halves[1], high_list, stalled, depth + 1);
-        joined(axis, low, high)
+        let low = || self.split(halves[0], low_list, stalled, depth + 1);
+        let high = || self.split(halves[1], high_list, stalled, depth + 1);
+        let (low, high) = if is_long {
+            rayon::join(low, high)
+        } else {
+            (low(), high())
+        };
+        match (low, high) {
+            (Some((low, mut boxes)), Some((mut high, more))) => {
+                high.renumber(boxes.len() as u32);
+                boxes.extend(more);
+                Some((BinaryNode::joined(axis, low, high), boxes))
+            }
+            (one, other) => one.or(other),
+        }
     }
 }

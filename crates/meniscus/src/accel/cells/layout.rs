@@ -113,21 +113,13 @@ impl Columns {
 
     /// Those of a field of at least one blob, all within `bounds`.
     pub fn of<P: Primitive>(field: &BlobField, bounds: &Aabb) -> Self {
-        let shape = |i: usize| {
-            let mut columns = [0.0; 6];
-            P::pack(&field.shapes, i, &mut columns[..P::COLUMNS]);
-            columns
-        };
-        let (first_shape, first_weight) = (shape(0), field.weights[0]);
+        let mut shape = [0.0; 6];
+        P::pack(&field.shapes, 0, &mut shape[..P::COLUMNS]);
+        let weight = field.weights[0];
+        let weights_are_alike = field.weights.iter().all(|&other| other == weight);
         Self {
-            shape: (1..field.len())
-                .all(|i| shape(i) == first_shape)
-                .then_some(first_shape),
-            weight: field
-                .weights
-                .iter()
-                .all(|&weight| weight == first_weight)
-                .then_some(first_weight),
+            shape: field.shapes.are_alike().then_some(shape),
+            weight: weights_are_alike.then_some(weight),
             nowhere: 4.0 * bounds.min.abs().max(bounds.max.abs()).max_element(),
         }
     }

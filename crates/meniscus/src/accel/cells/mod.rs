@@ -110,8 +110,7 @@ impl Cells {
                 Shapes::Ellipsoids(_) => Columns::of::<Ellipsoid>(field, &bounds),
             },
         };
-        let mut boxes = Vec::new();
-        let Some(root) = coarse::split(field, &context, bounds, &mut boxes) else {
+        let Some((root, boxes)) = coarse::split(field, &context, bounds) else {
             return Self::default();
         };
         let pad = 0.5 * context.pad;
