@@ -1,6 +1,9 @@
 //! Acceleration structures: boxes in, candidates out.
 
+pub mod blocks;
 pub mod cells;
+pub mod particles;
+pub mod slab;
 pub mod supports;
 
 /// Which structure and solver answers rays.
@@ -9,18 +12,21 @@ pub enum Engine {
     /// Disjoint boxes that contain the surface; see [`cells`].
     #[default]
     Cells,
+    /// A hierarchy over the particles, searched behind its frontier; see [`particles`].
+    Particles,
     /// All supports along the ray, sorted, one Bézier polynomial per interval; see [`supports`].
     Sweep,
 }
 
 impl Engine {
     /// Every engine.
-    pub const ALL: [Self; 2] = [Self::Cells, Self::Sweep];
+    pub const ALL: [Self; 3] = [Self::Cells, Self::Particles, Self::Sweep];
 
     /// The name in files and flags.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cells => "cells",
+            Self::Particles => "particles",
             Self::Sweep => "sweep",
         }
     }
@@ -36,6 +42,8 @@ impl Engine {
 pub enum Accel {
     /// For [`Engine::Cells`].
     Cells(cells::Cells),
+    /// For [`Engine::Particles`].
+    Particles(particles::ParticleTree),
     /// For [`Engine::Sweep`].
     Sweep(supports::SupportTree),
 }
@@ -49,6 +57,10 @@ impl Accel {
     ) -> Self {
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field, level)),
+            Engine::Particles => Self::Particles(particles::ParticleTree::build(
+                field,
+                particles::Builder::default(),
+            )),
             Engine::Sweep => Self::Sweep(supports::SupportTree::build(field)),
         }
     }
@@ -57,6 +69,7 @@ impl Accel {
     pub fn engine(&self) -> Engine {
         match self {
             Self::Cells(_) => Engine::Cells,
+            Self::Particles(_) => Engine::Particles,
             Self::Sweep(_) => Engine::Sweep,
         }
     }
@@ -65,6 +78,7 @@ impl Accel {
     pub fn structure_bytes(&self) -> usize {
         match self {
             Self::Cells(cells) => cells.structure_bytes(),
+            Self::Particles(tree) => tree.structure_bytes(),
             Self::Sweep(tree) => tree.structure_bytes(),
         }
     }

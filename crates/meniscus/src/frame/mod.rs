@@ -47,7 +47,9 @@ impl Blobs {
     pub fn exact_tree(&self) -> &SupportTree {
         match &self.accel {
             Accel::Sweep(tree) => tree,
-            Accel::Cells(_) => self.exact.get_or_init(|| SupportTree::build(&self.field)),
+            Accel::Cells(_) | Accel::Particles(_) => {
+                self.exact.get_or_init(|| SupportTree::build(&self.field))
+            }
         }
     }
 }

@@ -1,32 +1,23 @@
 //! Engine `cells`: visits the pierced leaves in order; in each gathers the blobs that the segment
 //! meets and solves for the first change of side.
 
-mod gather;
-mod gradient;
-mod local;
 mod packet;
-mod solve;
-mod start;
 
+use super::solve::{
+    Active, LocalRay, Pending, Question, Search, gather, leaf_chunks, local_ray, meets_fine,
+    outward_and_strongest, specialised,
+};
 use super::{BlobHit, Scratch, sweep};
 use crate::accel::cells::Cells;
-use crate::accel::cells::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
+use crate::accel::cells::layout::{LANES, LeafHeader};
 use crate::accel::cells::traverse::{Stack, visit_leaves};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
-use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
-use crate::{at_level, with_kernel};
+use crate::primitive::Primitive;
 use fearless_simd::Simd;
-use gather::{Active, gather};
 use glam::DVec3;
-use local::{LocalRay, local_ray};
 use packet::{Outcome, PacketScratch};
-use solve::{Entry, Pending, Segment, Solver, Verdict};
-use start::{OwnStart, is_inside, start_margin};
-
-/// Accuracy of t that the solver aims at, in spacings.
-const T_TOLERANCE_SPACINGS: f32 = 2e-5;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -123,7 +114,7 @@ fn trace_packet(
     for (local, ray) in local.iter_mut().zip(rays) {
         if ray.is_traceable() {
             scratch.counters.rays += 1;
-            *local = local_ray(blobs, cells, ray);
+            *local = local_ray(blobs, cells.bounds, ray);
         }
     }
     let outcomes = packet::trace(blobs, cells, &local, any, scratch);
@@ -133,7 +124,7 @@ fn trace_packet(
 /// First crossing of a traceable object-space ray.
 pub fn closest(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Option<BlobHit> {
     scratch.counters.rays += 1;
-    let local = local_ray(blobs, cells, ray)?;
+    let local = local_ray(blobs, cells.bounds, ray)?;
     closest_alone(blobs, cells, ray, &local, scratch)
 }
 
@@ -162,7 +153,7 @@ fn closest_alone(
 /// Whether a traceable object-space ray has a crossing.
 pub fn occluded(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
     scratch.counters.rays += 1;
-    local_ray(blobs, cells, ray)
+    local_ray(blobs, cells.bounds, ray)
         .is_some_and(|local| occluded_alone(blobs, cells, ray, &local, scratch))
 }
 
@@ -179,33 +170,6 @@ fn occluded_alone(
         Some(Found::BeyondF32) => sweep::first(blobs, blobs.exact_tree(), ray, scratch).is_some(),
     }
 }
-
-/// What is asked of a search.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Question {
-    /// Where the first crossing is.
-    First,
-    /// Whether there is one.
-    Any,
-}
-
-/// Runs `$body` with the field's kernel, primitive and SIMD token as types: the one dispatch.
-macro_rules! specialised {
-    ($blobs:expr, $simd:ident, $kernel:ident, $primitive:ident => $body:expr) => {
-        match &$blobs.field.shapes {
-            Shapes::Balls(_) => with_kernel!($blobs.field.kernel, $kernel => {
-                type $primitive = Ball;
-                at_level!($blobs.level, $simd => $body)
-            }),
-            Shapes::Ellipsoids(_) => with_kernel!($blobs.field.kernel, $kernel => {
-                type $primitive = Ellipsoid;
-                at_level!($blobs.level, $simd => $body)
-            }),
-        }
-    };
-}
-
-use specialised;
 
 fn find(
     blobs: &Blobs,
@@ -243,16 +207,7 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     } = &mut scratch.cells;
     let counters = &mut scratch.counters;
     let direction = ray.direction.as_vec3().to_array();
-    let tolerance = T_TOLERANCE_SPACINGS * blobs.field.spacing;
-    let mut solver = Solver {
-        threshold: blobs.field.threshold,
-        inside: ray.inside,
-        tolerance,
-    };
-    let start_margin = start_margin(cells);
-    let start = OwnStart::new(blobs, cells, ray);
-    // Whether the ray is known to have been on the side that it is said to start on.
-    let mut on_stated_side = ray.side_is_proven && !ray.starts_at_t_min;
+    let mut search = Search::new(blobs, cells.bounds, ray, question);
     let mut first_leaf = true;
     let mut found = None;
     let nodes = simd.vectorize(
@@ -266,16 +221,17 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                 #[inline(always)]
                 |block, near, far| {
                     counters.leaves += 1;
-                    if first_leaf && near > start_margin && !on_stated_side {
+                    let near_f64 = f64::from(near);
+                    if first_leaf && !search.on_stated_side && search.is_past_start(near_f64) {
                         // The ray starts in a dropped cell, all of which lies on one side.
-                        on_stated_side = ray.side_is_proven
+                        search.on_stated_side = ray.side_is_proven
                             || (blobs.field.side(ray.origin) == Side::Inside) == ray.inside;
                     }
                     first_leaf = false;
                     let header = LeafHeader::from_block(&cells.blocks[block as usize]);
                     counters.blob_evaluations += header.count as u64;
                     let center = glam::Vec3::from_array(header.center).as_dvec3();
-                    let origin = (ray.origin + ray.direction * f64::from(near) - center).as_vec3();
+                    let origin = (ray.origin + ray.direction * near_f64 - center).as_vec3();
                     let chunks = leaf_chunks::<P>(&cells.blocks, block, header.count);
                     if header.fine_beta < f32::INFINITY
                         && meets_fine::<P>(blobs, chunks, &header, ray)
@@ -292,105 +248,22 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                         length,
                         active,
                     );
-                    if !solver.inside && reach < solver.threshold {
-                        on_stated_side = true;
+                    if search.stays_below(reach) {
                         return false;
                     }
-                    let away_from_start = near > start_margin || !ray.starts_at_t_min;
-                    let entry = if ray.side_is_proven || (on_stated_side && away_from_start) {
-                        Entry::Confirmed
-                    } else if away_from_start {
-                        Entry::Returning
-                    } else {
-                        Entry::Unconfirmed
-                    };
-                    if question == Question::Any && f64::from(near) > start.reach {
-                        // That there is a crossing is enough.
-                        solver.tolerance = f32::INFINITY;
-                    }
-                    let mut segment = Segment {
-                        from: 0.0,
-                        length,
-                        entry,
-                    };
-                    let mut stride = start.stride;
-                    loop {
-                        let crossing =
-                            match solver.first_crossing::<S, K>(simd, active, pending, segment) {
-                                Verdict::Crossing(s) => s,
-                                Verdict::Unclear => segment.from,
-                                Verdict::StaysOnSide => {
-                                    on_stated_side = true;
-                                    return false;
-                                }
-                                Verdict::NeverOnSide => return false,
-                            };
-                        let t = f64::from(near) + f64::from(crossing);
-                        if start.is_sure(blobs, ray, t) {
-                            found = Some(Found::Crossing {
-                                t,
-                                block,
-                                entering: !solver.inside,
-                            });
-                            return true;
-                        }
-                        segment.from = crossing + stride;
-                        stride *= 2.0;
-                        on_stated_side =
-                            is_inside(blobs, ray, f64::from(near) + f64::from(segment.from))
-                                == ray.inside;
-                        if segment.from >= length {
-                            return false;
-                        }
-                        segment.entry = if on_stated_side {
-                            Entry::Confirmed
-                        } else {
-                            Entry::Returning
-                        };
-                    }
+                    let crossing = search.first_on::<S, K>(simd, active, pending, near_f64, length);
+                    found = crossing.map(|t| Found::Crossing {
+                        t,
+                        block,
+                        entering: !ray.inside,
+                    });
+                    found.is_some()
                 },
             )
         },
     );
     counters.nodes += nodes;
     found
-}
-
-/// The blobs of the leaf at `block`, chunk after chunk.
-#[inline(always)]
-fn leaf_chunks<P: Primitive>(blocks: &[Block], block: u32, count: usize) -> &[Block] {
-    let first = block as usize + 1;
-    &blocks[first..first + count.div_ceil(LANES) * blocks_per_chunk(P::COLUMNS)]
-}
-
-/// Whether the ray meets a blob that is too small for f32 in the leaf's coordinates.
-#[cold]
-fn meets_fine<P: Primitive>(
-    blobs: &Blobs,
-    chunks: &[Block],
-    header: &LeafHeader,
-    ray: &LocalRay,
-) -> bool {
-    let field = &blobs.field;
-    let indices = chunks
-        .chunks_exact(blocks_per_chunk(P::COLUMNS))
-        .flat_map(|chunk| {
-            chunk[4 + P::COLUMNS]
-                .0
-                .map(|index| index.to_bits() as usize)
-        });
-    indices.take(header.count).any(|i| {
-        let v = field.shapes.transform(i, ray.direction);
-        let beta = v.length_squared();
-        if beta < f64::from(header.fine_beta) {
-            return false;
-        }
-        let y = field
-            .shapes
-            .transform(i, ray.origin - field.center(i).as_dvec3());
-        let nearest = (-y.dot(v) / beta).max(0.0);
-        (y + v * nearest).length_squared() < 1.0
-    })
 }
 
 /// −∇F and the strongest blob at a local point of the leaf at `block`.
@@ -400,7 +273,7 @@ fn gradient_at(blobs: &Blobs, cells: &Cells, block: u32, at: DVec3) -> (DVec3, u
     let point = (at - center).as_vec3().to_array();
     specialised!(blobs, simd, K, P => simd.vectorize(
         #[inline(always)]
-        || gradient::outward_and_strongest::<_, K, P>(
+        || outward_and_strongest::<_, K, P>(
             simd,
             leaf_chunks::<P>(&cells.blocks, block, header.count),
             point,

@@ -9,18 +9,17 @@ mod leaf;
 mod step;
 mod visit;
 
-use super::local::LocalRay;
-use super::start::{near_start, start_margin};
-use super::{T_TOLERANCE_SPACINGS, specialised};
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
-use crate::accel::cells::traverse::SlabRay;
+use crate::accel::slab::SlabRay;
 use crate::frame::Blobs;
 use crate::intersect::Scratch;
+use crate::intersect::solve::{
+    LocalRay, T_TOLERANCE_SPACINGS, near_start, specialised, start_margin,
+};
 use crate::kernel::KernelShape;
 use crate::math::simd::xyz;
-use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
-use crate::{at_level, with_kernel};
+use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use leaf::{ActiveLanes, Leaf};
@@ -223,8 +222,8 @@ fn trace_lanes<S: Simd, K: KernelShape, P: Primitive>(
     let job = Job {
         threshold: blobs.field.threshold,
         tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
-        start_margin: start_margin(cells),
-        near_start: near_start(blobs, cells),
+        start_margin: start_margin(cells.bounds),
+        near_start: near_start(blobs, cells.bounds),
         any,
     };
     let PacketScratch { stack, active } = &mut scratch.cells.packet;

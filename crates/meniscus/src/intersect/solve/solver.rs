@@ -6,7 +6,7 @@
 //! no crossing.
 
 use super::gather::Active;
-use crate::accel::cells::layout::LANES;
+use crate::accel::blocks::LANES;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use fearless_simd::prelude::*;
@@ -58,7 +58,7 @@ const AIMED_GAPS: [f32; LANES] = gaps(&AIMED);
 
 /// How the ray came to the start of the segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Entry {
+pub(in crate::intersect) enum Entry {
     /// On the side that the solver assumes; if the field says otherwise here, the surface lies at
     /// this seam between two leaves.
     Confirmed,
@@ -68,14 +68,14 @@ pub(super) enum Entry {
     Returning,
 }
 
-/// What to search.
+/// What to look at.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Segment {
+pub(in crate::intersect) struct Segment {
     /// Where the search begins.
-    pub(super) from: f32,
+    pub(in crate::intersect) from: f32,
     /// Where it ends.
-    pub(super) length: f32,
-    pub(super) entry: Entry,
+    pub(in crate::intersect) length: f32,
+    pub(in crate::intersect) entry: Entry,
 }
 
 /// A stretch of the segment that may hold the crossing.
@@ -90,7 +90,7 @@ struct Interval {
 
 /// Intervals put off until those before them are done.
 #[derive(Debug)]
-pub(super) struct Pending([Interval; PENDING]);
+pub(in crate::intersect) struct Pending([Interval; PENDING]);
 
 impl Default for Pending {
     fn default() -> Self {
@@ -106,7 +106,7 @@ impl Default for Pending {
 
 /// What a search found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Verdict {
+pub(in crate::intersect) enum Verdict {
     /// The surface, at this distance from the segment's start.
     Crossing(f32),
     /// No crossing; the ray was seen on its side.
@@ -120,12 +120,12 @@ pub(super) enum Verdict {
 
 /// The equation and its accuracy.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Solver {
-    pub(super) threshold: f32,
+pub(in crate::intersect) struct Solver {
+    pub(in crate::intersect) threshold: f32,
     /// Whether the ray travels inside.
-    pub(super) inside: bool,
+    pub(in crate::intersect) inside: bool,
     /// Wanted accuracy of the crossing, as a length.
-    pub(super) tolerance: f32,
+    pub(in crate::intersect) tolerance: f32,
 }
 
 /// `sum` plus the field of one blob at sixteen points.
@@ -221,7 +221,7 @@ impl Solver {
 
     /// The first crossing on the segment.
     #[inline(always)]
-    pub(super) fn first_crossing<S: Simd, K: KernelShape>(
+    pub(in crate::intersect) fn first_crossing<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,

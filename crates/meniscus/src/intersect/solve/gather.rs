@@ -1,27 +1,27 @@
-//! Which blobs of a leaf the ray's segment meets, as parabolas g(s) = g₀ − β(s − c)².
+//! Which blobs of a leaf a ray's segment meets, as parabolas g(s) = g₀ − β(s − c)².
 
-use crate::accel::cells::layout::{Block, LANES, blocks_per_chunk};
+use crate::accel::blocks::{Block, LANES, blocks_per_chunk};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
-use crate::primitive::Primitive;
+use crate::primitive::{AlongLine, Primitive};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
 /// The blobs that a segment meets, in structure-of-arrays form.
 #[derive(Debug, Default)]
-pub(super) struct Active {
+pub(in crate::intersect) struct Active {
     /// How many; the arrays are longer.
-    pub(super) count: usize,
-    pub(super) c: Vec<f32>,
-    pub(super) beta: Vec<f32>,
-    pub(super) g0: Vec<f32>,
-    pub(super) weight: Vec<f32>,
+    pub(in crate::intersect) count: usize,
+    pub(in crate::intersect) c: Vec<f32>,
+    pub(in crate::intersect) beta: Vec<f32>,
+    pub(in crate::intersect) g0: Vec<f32>,
+    pub(in crate::intersect) weight: Vec<f32>,
 }
 
 impl Active {
     /// Makes room for every blob of a leaf of `largest` blobs, in whole chunks plus a spare one.
-    pub(super) fn reserve(&mut self, largest: usize) {
+    pub(in crate::intersect) fn reserve(&mut self, largest: usize) {
         let capacity = largest.next_multiple_of(LANES) + LANES;
         if self.c.len() < capacity {
             for column in [&mut self.c, &mut self.beta, &mut self.g0, &mut self.weight] {
@@ -34,7 +34,7 @@ impl Active {
 impl Active {
     /// c, β, g₀ and weight of the sixteen blobs at `at`.
     #[inline(always)]
-    pub(super) fn lanes<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 4] {
+    pub(in crate::intersect) fn lanes<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 4] {
         let end = at + LANES;
         [
             f32x16::from_slice(simd, &self.c[at..end]),
@@ -46,10 +46,22 @@ impl Active {
 }
 
 impl Active {
+    /// Ends a fill of `count` blobs.
+    #[inline(always)]
+    pub(in crate::intersect) fn finish(&mut self, count: usize) {
+        self.count = count;
+        // Lanes behind the last blob are read in whole chunks: weight 0 and a parabola that stays at 0.
+        let end = count + LANES;
+        self.weight[count..end].fill(0.0);
+        self.g0[count..end].fill(0.0);
+        self.beta[count..end].fill(0.0);
+        self.c[count..end].fill(0.0);
+    }
+
     /// The part of [0, length] from the first support's entry to the last one's exit, for at most
     /// one chunk of blobs.
     #[inline(always)]
-    pub(super) fn span<S: Simd>(&self, simd: S, length: f32) -> (f32, f32) {
+    pub(in crate::intersect) fn span<S: Simd>(&self, simd: S, length: f32) -> (f32, f32) {
         let [c, beta, g0, _] = self.lanes(simd, 0);
         let zero = f32x16::splat(simd, 0.0);
         let present = g0.simd_gt(zero);
@@ -64,14 +76,38 @@ impl Active {
 
 /// Column `k` of a chunk.
 #[inline(always)]
-pub(super) fn lanes<S: Simd>(simd: S, chunk: &[Block], k: usize) -> f32x16<S> {
+pub(in crate::intersect) fn lanes<S: Simd>(simd: S, chunk: &[Block], k: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &chunk[k].0)
+}
+
+/// Sixteen blobs along the segment origin + s·direction, s in [0, length], and the most that their g
+/// reaches on it: positive where the segment meets the support.
+#[inline(always)]
+pub(in crate::intersect) fn meet<S: Simd, P: Primitive>(
+    simd: S,
+    chunk: &[Block],
+    origin: [f32x16<S>; 3],
+    direction: [f32x16<S>; 3],
+    length: f32x16<S>,
+) -> (AlongLine<f32x16<S>>, f32x16<S>) {
+    let zero = f32x16::splat(simd, 0.0);
+    let w = xyz(
+        #[inline(always)]
+        |k| lanes(simd, chunk, k) - origin[k],
+    );
+    let mut shape = [zero; 6];
+    for k in 0..P::COLUMNS {
+        shape[k] = lanes(simd, chunk, 3 + k);
+    }
+    let line = P::along(&shape[..P::COLUMNS], w, direction);
+    let away = line.c.max(zero).min(length) - line.c;
+    (line, line.g0 - line.beta * away * away)
 }
 
 /// Fills `active` with the blobs that the segment origin + s·direction, s in [0, length], meets and
 /// returns an upper bound of the field on it. Unit direction, leaf-relative origin.
 #[inline(always)]
-pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive>(
+pub(in crate::intersect) fn gather<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     chunks: &[Block],
     origin: [f32; 3],
@@ -86,17 +122,7 @@ pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive>(
     let mut upper = zero;
     let mut count = 0;
     for chunk in chunks.chunks_exact(blocks_per_chunk(P::COLUMNS)) {
-        let w = xyz(
-            #[inline(always)]
-            |k| lanes(simd, chunk, k) - origin[k],
-        );
-        let mut shape = [zero; 6];
-        for k in 0..P::COLUMNS {
-            shape[k] = lanes(simd, chunk, 3 + k);
-        }
-        let line = P::along(&shape[..P::COLUMNS], w, direction);
-        let away = line.c.max(zero).min(length) - line.c;
-        let most = line.g0 - line.beta * away * away;
+        let (line, most) = meet::<S, P>(simd, chunk, origin, direction, length);
         let meets = most.simd_gt(zero);
         let bits = meets.to_bitmask();
         if bits == 0 {
@@ -119,12 +145,6 @@ pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive>(
             .store_slice(&mut active.weight[count..end]);
         count += bits.count_ones() as usize;
     }
-    active.count = count;
-    // Lanes behind the last blob are read in whole chunks: weight 0 and a parabola that stays at 0.
-    let end = count + LANES;
-    active.weight[count..end].fill(0.0);
-    active.g0[count..end].fill(0.0);
-    active.beta[count..end].fill(0.0);
-    active.c[count..end].fill(0.0);
+    active.finish(count);
     upper.reduce_sum()
 }

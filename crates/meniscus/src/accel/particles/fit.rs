@@ -1,0 +1,129 @@
+//! Boxes and leaf contents of a tree whose topology stands: the last step of a build, and all of a
+//! refit.
+
+use super::ParticleTree;
+use super::layout::Node;
+use crate::accel::blocks::{Block, LANES, LEAF, LeafHeader, fine_limit};
+use crate::field::BlobField;
+use crate::math::aabb::Aabb;
+use crate::primitive::Primitive;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A stretch of so many typical supports may share one origin.
+const STRETCH_SUPPORTS: f32 = 4.0;
+
+/// Mean radius of the supports.
+pub(super) fn typical_support(field: &BlobField) -> f32 {
+    // In a fixed order, so that the sum does not depend on the number of threads.
+    let sum: f64 = (0..field.len()).map(|i| field.shapes.mean_radius(i)).sum();
+    (sum / field.len().max(1) as f64) as f32
+}
+
+/// See [`ParticleTree::inner_level`].
+pub(super) fn inner_level(field: &BlobField) -> f32 {
+    let least = field.weights.iter().copied().fold(f32::INFINITY, f32::min);
+    let level = f64::from(field.threshold) / f64::from(least);
+    match field.kernel.q_at(level) {
+        Some(q) => (1.0 - q) as f32,
+        None => 1.0,
+    }
+}
+
+/// Leaves that know how many blobs they hold and which.
+pub(super) fn leaves_of<P: Primitive>(ranges: &[Range<usize>], order: &[u32]) -> Vec<Block> {
+    let per_leaf = ParticleTree::leaf_blocks::<P>();
+    let mut blocks = vec![Block::ZERO; per_leaf * ranges.len()];
+    blocks
+        .par_chunks_mut(per_leaf)
+        .zip(ranges)
+        .for_each(|(leaf, range)| {
+            leaf[0].0[0] = f32::from_bits(range.len() as u32);
+            let indices = &mut leaf[per_leaf - 1].0;
+            for (slot, &index) in indices.iter_mut().zip(&order[range.clone()]) {
+                *slot = f32::from_bits(index);
+            }
+        });
+    blocks
+}
+
+/// Fills a leaf with its blobs; returns its box and whether blobs are too small for f32 in it.
+pub(super) fn fit_leaf<P: Primitive>(
+    field: &BlobField,
+    typical: f32,
+    pad: f32,
+    leaf: &mut [Block],
+) -> (Aabb, bool) {
+    let count = LeafHeader::from_block(&leaf[0]).count;
+    let (front, indices) = leaf.split_at_mut(4 + P::COLUMNS + 1);
+    let indices = &indices[0].0[..count];
+    let index = |slot: usize| indices[slot].to_bits() as usize;
+    let bounds = (0..count).fold(Aabb::EMPTY, |bounds, slot| {
+        bounds.union(field.support_box(index(slot)))
+    });
+    let bounds = bounds.padded(pad);
+    let center = bounds.center();
+    let mut steepest = 0.0_f32;
+    for slot in 0..LANES {
+        let mut columns = [0.0; 6];
+        let (offset, weight) = if slot < count {
+            let i = index(slot);
+            P::pack(&field.shapes, i, &mut columns[..P::COLUMNS]);
+            steepest = steepest.max(columns.iter().map(|a| a * a).sum());
+            // Both are f32 and close together: the difference loses at most half an ulp.
+            ((field.center(i) - center).to_array(), field.weights[i])
+        } else {
+            columns[..P::COLUMNS].copy_from_slice(&P::UNIT[..P::COLUMNS]);
+            (NOWHERE, 0.0)
+        };
+        for axis in 0..3 {
+            front[1 + axis].0[slot] = offset[axis];
+        }
+        for k in 0..P::COLUMNS {
+            front[4 + k].0[slot] = columns[k];
+        }
+        front[4 + P::COLUMNS].0[slot] = weight;
+    }
+    // |A|² ≥ β along every ray.
+    let extent = bounds.size().max_element().max(STRETCH_SUPPORTS * typical);
+    let limit = fine_limit(extent, pad);
+    let fine = steepest >= limit;
+    front[0] = LeafHeader {
+        count,
+        center: center.to_array(),
+        fine_beta: if fine { limit } else { f32::INFINITY },
+    }
+    .to_block();
+    (bounds, fine)
+}
+
+/// Where lanes without a blob lie: a unit ball there reaches no ray, and its square is finite.
+const NOWHERE: [f32; 3] = [1e15; 3];
+
+/// Sets the boxes of all nodes from those of the leaves; returns the box around everything.
+pub(super) fn fit_nodes(nodes: &mut [Node], leaves: &[(Aabb, bool)]) -> Aabb {
+    let mut boxes = vec![Aabb::EMPTY; nodes.len()];
+    // Children stand behind their parents.
+    for index in (0..nodes.len()).rev() {
+        let node = &mut nodes[index];
+        let mut all = Aabb::EMPTY;
+        for slot in 0..8 {
+            let reference = node.children[slot];
+            if reference == Node::NONE {
+                break;
+            }
+            let bounds = if reference & LEAF != 0 {
+                leaves[(reference & !LEAF) as usize].0
+            } else {
+                boxes[reference as usize]
+            };
+            for axis in 0..3 {
+                node.bounds[axis][slot] = bounds.min[axis];
+                node.bounds[3 + axis][slot] = bounds.max[axis];
+            }
+            all = all.union(bounds);
+        }
+        boxes[index] = all;
+    }
+    boxes[0]
+}

@@ -1,0 +1,252 @@
+//! The blobs that a ray has met and not yet left behind.
+
+use crate::accel::blocks::{Block, LANES, blocks_per_chunk};
+use crate::intersect::solve::{Active, meet};
+use crate::kernel::KernelShape;
+use crate::math::number::Number;
+use crate::math::simd::splat3;
+use crate::primitive::Primitive;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+/// Blobs as parabolas g(s) = g₀ − β(s − c)², s counted from the frontier of what is solved; columns
+/// that are longer than `count`.
+#[derive(Debug, Default)]
+pub(super) struct Pool {
+    pub(super) count: usize,
+    c: Vec<f32>,
+    beta: Vec<f32>,
+    g0: Vec<f32>,
+    weight: Vec<f32>,
+    /// Leaf number · 16 + lane, in the bits.
+    place: Vec<f32>,
+}
+
+/// A leaf as a ray meets it.
+pub(super) struct LeafRay<'a> {
+    /// Its chunk of blobs.
+    pub(super) chunk: &'a [Block],
+    /// Its number.
+    pub(super) leaf: u32,
+    /// Where the ray enters it, relative to its centre.
+    pub(super) origin: [f32; 3],
+    /// Unit direction.
+    pub(super) direction: [f32; 3],
+    /// What is left of the ray there.
+    pub(super) length: f32,
+    /// From the pool's origin to where the ray enters.
+    pub(super) offset: f32,
+}
+
+impl Pool {
+    /// Empties the pool.
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Makes room for `chunks` more chunks.
+    #[inline(always)]
+    fn reserve(&mut self, chunks: usize) {
+        let wanted = self.count + (chunks + 1) * LANES;
+        if self.c.len() < wanted {
+            self.grow(wanted);
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self, wanted: usize) {
+        let length = wanted.next_power_of_two();
+        for column in [
+            &mut self.c,
+            &mut self.beta,
+            &mut self.g0,
+            &mut self.weight,
+            &mut self.place,
+        ] {
+            column.resize(length, 0.0);
+        }
+    }
+
+    /// Sixteen lanes of all columns.
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 5] {
+        let end = at + LANES;
+        [
+            f32x16::from_slice(simd, &self.c[at..end]),
+            f32x16::from_slice(simd, &self.beta[at..end]),
+            f32x16::from_slice(simd, &self.g0[at..end]),
+            f32x16::from_slice(simd, &self.weight[at..end]),
+            f32x16::from_slice(simd, &self.place[at..end]),
+        ]
+    }
+
+    #[inline(always)]
+    fn store<S: Simd>(&mut self, at: usize, lanes: [f32x16<S>; 5]) {
+        let end = at + LANES;
+        lanes[0].store_slice(&mut self.c[at..end]);
+        lanes[1].store_slice(&mut self.beta[at..end]);
+        lanes[2].store_slice(&mut self.g0[at..end]);
+        lanes[3].store_slice(&mut self.weight[at..end]);
+        lanes[4].store_slice(&mut self.place[at..end]);
+    }
+
+    /// Adds the blobs of a leaf that the ray meets; returns where it first enters an inner sphere,
+    /// g ≥ `inner`, of those that lie more than `beyond` ahead (infinity: none). `inner` above 1: there
+    /// are no inner spheres.
+    #[inline(always)]
+    pub(super) fn add<S: Simd, P: Primitive>(
+        &mut self,
+        simd: S,
+        ray: &LeafRay,
+        inner: f32,
+        beyond: f32,
+    ) -> f32 {
+        self.reserve(1);
+        let zero = f32x16::splat(simd, 0.0);
+        let (line, most) = meet::<S, P>(
+            simd,
+            ray.chunk,
+            splat3(simd, ray.origin),
+            splat3(simd, ray.direction),
+            f32x16::splat(simd, ray.length),
+        );
+        let meets = most.simd_gt(zero);
+        let bits = meets.to_bitmask();
+        if bits == 0 {
+            return f32::INFINITY;
+        }
+        let c = line.c + ray.offset;
+        let weight = f32x16::from_slice(simd, &ray.chunk[3 + P::COLUMNS].0);
+        let place = f32x16::from_slice(simd, &places(ray.leaf));
+        self.store(
+            self.count,
+            [
+                c.compress(meets),
+                line.beta.compress(meets),
+                line.g0.compress(meets),
+                weight.compress(meets),
+                place.compress(meets),
+            ],
+        );
+        self.count += bits.count_ones() as usize;
+        if inner >= 1.0 {
+            return f32::INFINITY;
+        }
+        let rise = line.g0 - inner;
+        let pierces = meets & rise.simd_gt(zero);
+        if pierces.to_bitmask() == 0 {
+            return f32::INFINITY;
+        }
+        let one = f32x16::splat(simd, 1.0);
+        let half = (rise.max(zero) / pierces.select(line.beta, one)).sqrt();
+        let enter = c - half;
+        let ahead = pierces & enter.simd_gt(f32x16::splat(simd, beyond));
+        ahead
+            .select(enter, f32x16::splat(simd, f32::INFINITY))
+            .reduce_min()
+    }
+
+    /// Moves the origin ahead by `step`, drops what lies behind it, and puts the blobs that the stretch
+    /// [0, length] from there meets into `active`. Returns an upper bound of the field on it.
+    #[inline(always)]
+    pub(super) fn advance<S: Simd, K: KernelShape>(
+        &mut self,
+        simd: S,
+        step: f32,
+        length: f32,
+        active: &mut Active,
+    ) -> f32 {
+        active.reserve(self.count);
+        let zero = f32x16::splat(simd, 0.0);
+        let (kept, mut met) = (self.count, 0);
+        self.count = 0;
+        let mut upper = zero;
+        let end = f32x16::splat(simd, length);
+        for at in (0..kept).step_by(LANES) {
+            let [c, beta, g0, weight, place] = self.lanes(simd, at);
+            let c = c - step;
+            let behind = c.min(zero);
+            let present = lanes_below(simd, kept - at);
+            let keep = (g0 - beta * behind * behind).simd_gt(zero) & present;
+            let away = c.max(zero).min(end) - c;
+            let most = g0 - beta * away * away;
+            let meets = most.simd_gt(zero) & present;
+            let meets_bits = meets.to_bitmask();
+            // Never behind what is still to be read.
+            self.store(
+                self.count,
+                [
+                    c.compress(keep),
+                    beta.compress(keep),
+                    g0.compress(keep),
+                    weight.compress(keep),
+                    place.compress(keep),
+                ],
+            );
+            self.count += keep.to_bitmask().count_ones() as usize;
+            if meets_bits == 0 {
+                continue;
+            }
+            let reached = meets.select(K::of_g(most.max(zero)), zero);
+            upper = Number::mul_add(weight.max(zero), reached, upper);
+            let target = met..met + LANES;
+            c.compress(meets).store_slice(&mut active.c[target.clone()]);
+            beta.compress(meets)
+                .store_slice(&mut active.beta[target.clone()]);
+            g0.compress(meets)
+                .store_slice(&mut active.g0[target.clone()]);
+            weight
+                .compress(meets)
+                .store_slice(&mut active.weight[target]);
+            met += meets_bits.count_ones() as usize;
+        }
+        active.finish(met);
+        upper.reduce_sum()
+    }
+
+    /// Calls `visit(leaf, lane)` with the blobs whose support holds the point `at` from the origin, and
+    /// with some whose border is next to it.
+    pub(super) fn for_each_at(&self, at: f32, mut visit: impl FnMut(u32, usize)) {
+        for i in 0..self.count {
+            let away = at - self.c[i];
+            if self.g0[i] - self.beta[i] * away * away > -NEXT_TO {
+                let place = self.place[i].to_bits();
+                visit(place / LANES as u32, place as usize % LANES);
+            }
+        }
+    }
+}
+
+/// g this little below 0 may be rounding.
+const NEXT_TO: f32 = 1e-3;
+
+/// The first `count` lanes.
+#[inline(always)]
+fn lanes_below<S: Simd>(simd: S, count: usize) -> <f32x16<S> as SimdBase<S>>::Mask {
+    f32x16::from_slice(simd, &LANE_NUMBERS).simd_lt(f32x16::splat(simd, count as f32))
+}
+
+const LANE_NUMBERS: [f32; LANES] = {
+    let mut numbers = [0.0; LANES];
+    let mut lane = 0;
+    while lane < LANES {
+        numbers[lane] = lane as f32;
+        lane += 1;
+    }
+    numbers
+};
+
+/// The places of a leaf's lanes.
+#[inline(always)]
+fn places(leaf: u32) -> [f32; LANES] {
+    let mut places = [0.0; LANES];
+    for (lane, place) in places.iter_mut().enumerate() {
+        *place = f32::from_bits(leaf * LANES as u32 + lane as u32);
+    }
+    places
+}
+
+/// Columns of a chunk, for those who copy single blobs.
+pub(super) const fn chunk_columns<P: Primitive>() -> usize {
+    blocks_per_chunk(P::COLUMNS)
+}
