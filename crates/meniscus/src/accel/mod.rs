@@ -1,9 +1,7 @@
 //! Acceleration structures: boxes in, candidates out.
 
-pub mod blocks;
 pub mod cells;
 pub mod particles;
-pub mod slab;
 pub mod supports;
 
 /// Which structure and solver answers rays.
@@ -14,19 +12,22 @@ pub enum Engine {
     Cells,
     /// A hierarchy over the particles, searched behind its frontier; see [`particles`].
     Particles,
+    /// Interval refinement over the particles; see [`particles`].
+    Interval,
     /// All supports along the ray, sorted, one Bézier polynomial per interval; see [`supports`].
     Sweep,
 }
 
 impl Engine {
     /// Every engine.
-    pub const ALL: [Self; 3] = [Self::Cells, Self::Particles, Self::Sweep];
+    pub const ALL: [Self; 4] = [Self::Cells, Self::Particles, Self::Interval, Self::Sweep];
 
     /// The name in files and flags.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cells => "cells",
             Self::Particles => "particles",
+            Self::Interval => "interval",
             Self::Sweep => "sweep",
         }
     }
@@ -44,6 +45,8 @@ pub enum Accel {
     Cells(cells::Cells),
     /// For [`Engine::Particles`].
     Particles(particles::ParticleTree),
+    /// For [`Engine::Interval`].
+    Interval(particles::ParticleTree),
     /// For [`Engine::Sweep`].
     Sweep(supports::SupportTree),
 }
@@ -57,10 +60,8 @@ impl Accel {
     ) -> Self {
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field, level)),
-            Engine::Particles => Self::Particles(particles::ParticleTree::build(
-                field,
-                particles::Builder::default(),
-            )),
+            Engine::Particles => Self::Particles(particle_tree(field)),
+            Engine::Interval => Self::Interval(particle_tree(field)),
             Engine::Sweep => Self::Sweep(supports::SupportTree::build(field)),
         }
     }
@@ -70,6 +71,7 @@ impl Accel {
         match self {
             Self::Cells(_) => Engine::Cells,
             Self::Particles(_) => Engine::Particles,
+            Self::Interval(_) => Engine::Interval,
             Self::Sweep(_) => Engine::Sweep,
         }
     }
@@ -78,8 +80,12 @@ impl Accel {
     pub fn structure_bytes(&self) -> usize {
         match self {
             Self::Cells(cells) => cells.structure_bytes(),
-            Self::Particles(tree) => tree.structure_bytes(),
+            Self::Particles(tree) | Self::Interval(tree) => tree.structure_bytes(),
             Self::Sweep(tree) => tree.structure_bytes(),
         }
     }
+}
+
+fn particle_tree(field: &crate::field::BlobField) -> particles::ParticleTree {
+    particles::ParticleTree::build(field, particles::Builder::default())
 }

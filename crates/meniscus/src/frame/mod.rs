@@ -47,7 +47,7 @@ impl Blobs {
     pub fn exact_tree(&self) -> &SupportTree {
         match &self.accel {
             Accel::Sweep(tree) => tree,
-            Accel::Cells(_) | Accel::Particles(_) => {
+            Accel::Cells(_) | Accel::Particles(_) | Accel::Interval(_) => {
                 self.exact.get_or_init(|| SupportTree::build(&self.field))
             }
         }

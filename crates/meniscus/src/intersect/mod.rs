@@ -1,6 +1,7 @@
 //! Rays against surfaces: the engines, and what they answer with.
 
 pub mod cells;
+pub mod interval;
 pub mod particles;
 mod solve;
 pub mod sweep;
@@ -39,7 +40,7 @@ pub struct Scratch {
     pub counters: Counters,
     /// Of engine `cells`.
     pub cells: cells::CellsScratch,
-    /// Of engine `particles`.
+    /// Of engines `particles` and `interval`.
     pub particles: particles::ParticlesScratch,
     /// Of engine `sweep`.
     pub sweep: sweep::SweepScratch,
@@ -97,6 +98,7 @@ impl Blobs {
         match &self.accel {
             Accel::Cells(cells) => cells::closest(self, cells, ray, scratch),
             Accel::Particles(tree) => particles::closest(self, tree, ray, scratch),
+            Accel::Interval(tree) => interval::closest(self, tree, ray, scratch),
             Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch),
         }
     }
@@ -109,6 +111,7 @@ impl Blobs {
         match &self.accel {
             Accel::Cells(cells) => cells::occluded(self, cells, ray, scratch),
             Accel::Particles(tree) => particles::occluded(self, tree, ray, scratch),
+            Accel::Interval(tree) => interval::occluded(self, tree, ray, scratch),
             Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch).is_some(),
         }
     }
@@ -122,7 +125,7 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::closest_many(self, cells, rays, hits, scratch),
-            Accel::Particles(_) | Accel::Sweep(_) => {
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.closest(ray, scratch);
                 }
@@ -139,7 +142,7 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::occluded_many(self, cells, rays, hits, scratch),
-            Accel::Particles(_) | Accel::Sweep(_) => {
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.occluded(ray, scratch);
                 }
@@ -151,7 +154,7 @@ impl Blobs {
     pub fn crossings(&self, ray: &Ray, scratch: &mut Scratch, crossings: &mut Vec<Crossing>) {
         let in_float64 = match &self.accel {
             Accel::Cells(cells) => cells.has_fine_blobs,
-            Accel::Particles(tree) => tree.has_fine_blobs,
+            Accel::Particles(tree) | Accel::Interval(tree) => tree.has_fine_blobs,
             Accel::Sweep(_) => true,
         };
         if in_float64 {

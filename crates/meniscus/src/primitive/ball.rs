@@ -10,7 +10,6 @@ pub struct Ball;
 
 impl Primitive for Ball {
     const COLUMNS: usize = 1;
-    const UNIT: [f32; 6] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 
     #[inline(always)]
     fn transform<N: Number>(columns: &[N], d: [N; 3]) -> [N; 3] {

@@ -97,7 +97,6 @@ impl Ellipsoid {
 
 impl Primitive for Ellipsoid {
     const COLUMNS: usize = 6;
-    const UNIT: [f32; 6] = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
 
     #[inline(always)]
     fn transform<N: Number>(a: &[N], d: [N; 3]) -> [N; 3] {

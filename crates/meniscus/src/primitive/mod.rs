@@ -16,9 +16,6 @@ pub trait Primitive: Copy + Send + Sync + 'static {
     /// f32 columns that describe the shape: 1 for a ball, 6 for an ellipsoid.
     const COLUMNS: usize;
 
-    /// The columns of the unit ball, [`Primitive::COLUMNS`] of them.
-    const UNIT: [f32; 6];
-
     /// A·d.
     fn transform<N: Number>(columns: &[N], d: [N; 3]) -> [N; 3];
 

@@ -1,6 +1,27 @@
-//! The nodes of `cells`: eight-wide, addressed by 32-bit index, as the leaf blocks are.
+//! The packed arrays of `cells`: eight-wide nodes and leaf blocks, both addressed by 32-bit index.
+//!
+//! A leaf is one header block followed by chunks of [`LANES`] blobs in structure-of-arrays form:
+//! x, y, z relative to the leaf's centre, the shape's columns, the weight, the blob's index. Without
+//! the re-centring f32 is too coarse for a million particles.
 
-pub use crate::accel::blocks::{Block, LANES, LEAF, LeafHeader, blocks_per_chunk, pieces};
+/// Blobs per chunk, and numbers per block.
+pub const LANES: usize = 16;
+
+/// Largest piece that GPU bindings take; [`pieces`] cuts the arrays at this size.
+pub const PIECE_BYTES: usize = 128 << 20;
+
+/// 64 bytes of f32 (or of u32 in the bits of f32), aligned to a cache line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+pub struct Block(pub [f32; LANES]);
+
+impl Block {
+    /// All zero.
+    pub const ZERO: Self = Self([0.0; LANES]);
+}
+
+/// Marks a child reference as a leaf; the rest is the index of its header block.
+pub const LEAF: u32 = 1 << 31;
 
 /// Eight children: their boxes axis by axis, where they are, and in which order rays meet them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,4 +52,48 @@ impl Node {
         children: [0; 8],
         before: [[0; 8]; 4],
     };
+}
+
+/// What a leaf's header block says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeafHeader {
+    /// Number of blobs.
+    pub count: usize,
+    /// Local position that the blobs' coordinates are relative to.
+    pub center: [f32; 3],
+    /// Blobs of at least this steepness along a ray (β, 1/length²) are too small for f32 in this
+    /// leaf's coordinates; infinite in almost all leaves.
+    pub fine_beta: f32,
+}
+
+impl LeafHeader {
+    /// The header as a block.
+    pub fn to_block(self) -> Block {
+        let mut block = Block::ZERO;
+        block.0[0] = f32::from_bits(self.count as u32);
+        block.0[1..4].copy_from_slice(&self.center);
+        block.0[4] = self.fine_beta;
+        block
+    }
+
+    /// The header in a block.
+    #[inline(always)]
+    pub fn from_block(block: &Block) -> Self {
+        Self {
+            count: block.0[0].to_bits() as usize,
+            center: [block.0[1], block.0[2], block.0[3]],
+            fine_beta: block.0[4],
+        }
+    }
+}
+
+/// Blocks per chunk of blobs whose shape takes `shape_columns` columns.
+pub const fn blocks_per_chunk(shape_columns: usize) -> usize {
+    3 + shape_columns + 2
+}
+
+/// Cuts a packed array into pieces of at most [`PIECE_BYTES`]; element `i` is element
+/// `i % per_piece` of piece `i / per_piece`.
+pub fn pieces<T>(array: &[T]) -> std::slice::Chunks<'_, T> {
+    array.chunks((PIECE_BYTES / size_of::<T>()).max(1))
 }

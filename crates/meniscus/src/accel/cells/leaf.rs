@@ -3,7 +3,6 @@
 use super::build::Context;
 use super::filter::{BlobList, field_bounds, filter};
 use super::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
-use crate::accel::blocks::fine_limit;
 use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
@@ -12,6 +11,12 @@ use glam::Vec3;
 
 /// Slabs tried on each face, as fractions of the box that is left.
 const SHAVES: [f32; 3] = [0.5, 0.25, 0.125];
+
+/// Supports below the leaf's size over this are left to float64.
+const FINEST_PART: f32 = 64.0;
+
+/// So many rounding margins count as size of a leaf: boxes are entered and rays start no more exactly.
+const MARGIN_PARTS: f32 = 512.0;
 
 /// Returns the leaf's trimmed box and its header block, or `None` when the cell is proven to hold no
 /// surface. `buffers` are scratch.
@@ -103,10 +108,12 @@ fn slab_and_rest(bounds: Aabb, axis: usize, upper_face: bool, fraction: f32) -> 
     (slab, rest)
 }
 
-/// [`fine_limit`] of a leaf of this size, or infinity where no blob of the list is as steep.
-fn fine_beta<P: Primitive>(list: &BlobList, size: f32, pad: f32) -> f32 {
-    // |A|² ≥ β along every ray.
-    let limit = fine_limit(size, pad);
+/// The steepness from which blobs are too small for f32 in a leaf of this size; infinite where no
+/// blob of the list is.
+fn fine_beta<P: Primitive>(list: &BlobList, size: f32) -> f32 {
+    // |A|² ≥ β along every ray. A coordinate's rounding, 2⁻²⁴ of the leaf's size, moves q by twice
+    // itself times √β, which is to stay near 10⁻⁵.
+    let limit = (FINEST_PART / size).powi(2);
     let steepest = (0..list.count)
         .map(|i| {
             (0..P::COLUMNS)
@@ -126,7 +133,7 @@ fn pack<P: Primitive>(list: &BlobList, bounds: Aabb, pad: f32, blocks: &mut Vec<
     let header = LeafHeader {
         count: list.count,
         center: center.to_array(),
-        fine_beta: fine_beta::<P>(list, bounds.size().max_element(), pad),
+        fine_beta: fine_beta::<P>(list, bounds.size().max_element().max(MARGIN_PARTS * pad)),
     };
     blocks.push(header.to_block());
     let shape_columns = P::COLUMNS;

@@ -1,14 +1,20 @@
 //! Boxes and leaf contents of a tree whose topology stands: the last step of a build, and all of a
 //! refit.
 
-use super::ParticleTree;
-use super::layout::Node;
-use crate::accel::blocks::{Block, LANES, LEAF, LeafHeader, fine_limit};
+use super::layout::{Node, leaf_blocks};
+use crate::accel::cells::layout::{Block, LANES, LEAF, LeafHeader};
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// Supports below the size of what shares one origin over this are left to float64: a coordinate's
+/// rounding, 2⁻²⁴ of that size, moves q by twice itself over the support, which is to stay near 10⁻⁵.
+const FINEST_PART: f32 = 64.0;
+
+/// So many rounding margins count as size: boxes are entered and rays start no more exactly.
+const MARGIN_PARTS: f32 = 512.0;
 
 /// A stretch of so many typical supports may share one origin.
 const STRETCH_SUPPORTS: f32 = 4.0;
@@ -20,7 +26,7 @@ pub(super) fn typical_support(field: &BlobField) -> f32 {
     (sum / field.len().max(1) as f64) as f32
 }
 
-/// See [`ParticleTree::inner_level`].
+/// See [`ParticleTree::inner_level`](super::ParticleTree::inner_level).
 pub(super) fn inner_level(field: &BlobField) -> f32 {
     let least = field.weights.iter().copied().fold(f32::INFINITY, f32::min);
     let level = f64::from(field.threshold) / f64::from(least);
@@ -32,7 +38,7 @@ pub(super) fn inner_level(field: &BlobField) -> f32 {
 
 /// Leaves that know how many blobs they hold and which.
 pub(super) fn leaves_of<P: Primitive>(ranges: &[Range<usize>], order: &[u32]) -> Vec<Block> {
-    let per_leaf = ParticleTree::leaf_blocks::<P>();
+    let per_leaf = leaf_blocks::<P>();
     let mut blocks = vec![Block::ZERO; per_leaf * ranges.len()];
     blocks
         .par_chunks_mut(per_leaf)
@@ -65,15 +71,15 @@ pub(super) fn fit_leaf<P: Primitive>(
     let center = bounds.center();
     let mut steepest = 0.0_f32;
     for slot in 0..LANES {
+        // Lanes without a blob get a shape all the same, so that no number is none.
+        let i = index(if slot < count { slot } else { 0 });
         let mut columns = [0.0; 6];
+        P::pack(&field.shapes, i, &mut columns[..P::COLUMNS]);
         let (offset, weight) = if slot < count {
-            let i = index(slot);
-            P::pack(&field.shapes, i, &mut columns[..P::COLUMNS]);
             steepest = steepest.max(columns.iter().map(|a| a * a).sum());
             // Both are f32 and close together: the difference loses at most half an ulp.
             ((field.center(i) - center).to_array(), field.weights[i])
         } else {
-            columns[..P::COLUMNS].copy_from_slice(&P::UNIT[..P::COLUMNS]);
             (NOWHERE, 0.0)
         };
         for axis in 0..3 {
@@ -85,8 +91,12 @@ pub(super) fn fit_leaf<P: Primitive>(
         front[4 + P::COLUMNS].0[slot] = weight;
     }
     // |A|² ≥ β along every ray.
-    let extent = bounds.size().max_element().max(STRETCH_SUPPORTS * typical);
-    let limit = fine_limit(extent, pad);
+    let extent = bounds
+        .size()
+        .max_element()
+        .max(STRETCH_SUPPORTS * typical)
+        .max(MARGIN_PARTS * pad);
+    let limit = (FINEST_PART / extent).powi(2);
     let fine = steepest >= limit;
     front[0] = LeafHeader {
         count,
@@ -97,7 +107,7 @@ pub(super) fn fit_leaf<P: Primitive>(
     (bounds, fine)
 }
 
-/// Where lanes without a blob lie: a unit ball there reaches no ray, and its square is finite.
+/// Where lanes without a blob lie: what is there reaches no ray.
 const NOWHERE: [f32; 3] = [1e15; 3];
 
 /// Sets the boxes of all nodes from those of the leaves; returns the box around everything.

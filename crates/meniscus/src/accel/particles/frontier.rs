@@ -3,8 +3,8 @@
 
 use super::ParticleTree;
 use super::layout::Node;
-use crate::accel::blocks::LEAF;
-use crate::accel::slab::SlabRay;
+use crate::accel::cells::layout::LEAF;
+use crate::accel::cells::traverse::SlabRay;
 use crate::math::simd::{splat3, xyz};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};

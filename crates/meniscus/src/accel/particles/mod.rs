@@ -12,7 +12,7 @@ pub mod layout;
 mod sah;
 mod topology;
 
-use crate::accel::blocks::{Block, blocks_per_chunk};
+use crate::accel::cells::layout::Block;
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
@@ -37,7 +37,7 @@ pub enum Builder {
 pub struct ParticleTree {
     /// Eight-wide nodes, root first, children behind their parents.
     pub nodes: Vec<Node>,
-    /// Leaves, each a header and one chunk of blobs; see [`blocks`](crate::accel::blocks).
+    /// Leaves, each a header and one chunk of blobs; see [`layout`].
     pub blocks: Vec<Block>,
     /// Local box around all supports.
     pub bounds: Option<Aabb>,
@@ -120,16 +120,11 @@ impl ParticleTree {
         let typical = self.typical_support;
         let fitted: Vec<(Aabb, bool)> = self
             .blocks
-            .par_chunks_mut(Self::leaf_blocks::<P>())
+            .par_chunks_mut(layout::leaf_blocks::<P>())
             .map(|leaf| fit::fit_leaf::<P>(field, typical, pad, leaf))
             .collect();
         self.has_fine_blobs = fitted.iter().any(|(_, fine)| *fine);
         self.bounds = Some(fit::fit_nodes(&mut self.nodes, &fitted));
-    }
-
-    /// Blocks per leaf.
-    pub const fn leaf_blocks<P: Primitive>() -> usize {
-        1 + blocks_per_chunk(P::COLUMNS)
     }
 
     /// Memory held.

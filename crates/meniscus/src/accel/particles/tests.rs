@@ -1,6 +1,6 @@
 use super::layout::Node;
 use super::*;
-use crate::accel::blocks::{LEAF, LeafHeader};
+use crate::accel::cells::layout::{LEAF, LeafHeader};
 use crate::field::Search;
 use crate::kernel::Kernel;
 use glam::DVec3;
@@ -47,7 +47,7 @@ fn check(tree: &ParticleTree, field: &BlobField) {
     if let Some(bounds) = tree.bounds {
         open.push((0, bounds));
     }
-    let per_leaf = ParticleTree::leaf_blocks::<Ball>();
+    let per_leaf = layout::leaf_blocks::<Ball>();
     while let Some((reference, bounds)) = open.pop() {
         if reference & LEAF == 0 {
             let node: &Node = &tree.nodes[reference as usize];

@@ -2,7 +2,7 @@
 //! range of particles in two.
 
 use super::layout::Node;
-use crate::accel::blocks::{LANES, LEAF};
+use crate::accel::cells::layout::{LANES, LEAF};
 use rayon::prelude::*;
 use std::ops::Range;
 

@@ -1,21 +1,23 @@
 //! Engine `cells`: visits the pierced leaves in order; in each gathers the blobs that the segment
 //! meets and solves for the first change of side.
 
+mod gather;
+mod gradient;
 mod packet;
 
 use super::solve::{
-    Active, LocalRay, Pending, Question, Search, gather, leaf_chunks, local_ray, meets_fine,
-    outward_and_strongest, specialised,
+    Active, LocalRay, Pending, Question, Search, local_ray, meets_fine_blob, specialised,
 };
 use super::{BlobHit, Scratch, sweep};
 use crate::accel::cells::Cells;
-use crate::accel::cells::layout::{LANES, LeafHeader};
+use crate::accel::cells::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
 use crate::accel::cells::traverse::{Stack, visit_leaves};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
 use crate::primitive::Primitive;
 use fearless_simd::Simd;
+use gather::gather;
 use glam::DVec3;
 use packet::{Outcome, PacketScratch};
 
@@ -207,7 +209,7 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     } = &mut scratch.cells;
     let counters = &mut scratch.counters;
     let direction = ray.direction.as_vec3().to_array();
-    let mut search = Search::new(blobs, cells.bounds, ray, question);
+    let mut search: Search = Search::new(blobs, cells.bounds, ray, question);
     let mut first_leaf = true;
     let mut found = None;
     let nodes = simd.vectorize(
@@ -266,6 +268,34 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     found
 }
 
+/// The blobs of the leaf at `block`, chunk after chunk.
+#[inline(always)]
+fn leaf_chunks<P: Primitive>(blocks: &[Block], block: u32, count: usize) -> &[Block] {
+    let first = block as usize + 1;
+    &blocks[first..first + count.div_ceil(LANES) * blocks_per_chunk(P::COLUMNS)]
+}
+
+/// Whether the ray meets a blob that is too small for f32 in the leaf's coordinates.
+#[cold]
+fn meets_fine<P: Primitive>(
+    blobs: &Blobs,
+    chunks: &[Block],
+    header: &LeafHeader,
+    ray: &LocalRay,
+) -> bool {
+    let field = &blobs.field;
+    let indices = chunks
+        .chunks_exact(blocks_per_chunk(P::COLUMNS))
+        .flat_map(|chunk| {
+            chunk[4 + P::COLUMNS]
+                .0
+                .map(|index| index.to_bits() as usize)
+        });
+    indices
+        .take(header.count)
+        .any(|i| meets_fine_blob(field, i, header.fine_beta, ray))
+}
+
 /// −∇F and the strongest blob at a local point of the leaf at `block`.
 fn gradient_at(blobs: &Blobs, cells: &Cells, block: u32, at: DVec3) -> (DVec3, u32) {
     let header = LeafHeader::from_block(&cells.blocks[block as usize]);
@@ -273,7 +303,7 @@ fn gradient_at(blobs: &Blobs, cells: &Cells, block: u32, at: DVec3) -> (DVec3, u
     let point = (at - center).as_vec3().to_array();
     specialised!(blobs, simd, K, P => simd.vectorize(
         #[inline(always)]
-        || outward_and_strongest::<_, K, P>(
+        || gradient::outward_and_strongest::<_, K, P>(
             simd,
             leaf_chunks::<P>(&cells.blocks, block, header.count),
             point,

@@ -6,12 +6,14 @@ mod gradient;
 mod pool;
 
 use super::solve::{
-    Active, LocalRay, Pending, Question, Search, leaf_chunks, local_ray, meets_fine, specialised,
+    Active, FirstCrossing, LocalRay, Pending, Question, Search, Solver, local_ray, meets_fine_blob,
+    specialised,
 };
 use super::{BlobHit, Scratch, sweep};
-use crate::accel::blocks::LeafHeader;
+use crate::accel::cells::layout::{Block, LeafHeader};
 use crate::accel::particles::ParticleTree;
 use crate::accel::particles::frontier::{Frontier, Slabs};
+use crate::accel::particles::layout::{columns, leaf_blocks};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::Ray;
@@ -19,12 +21,6 @@ use crate::primitive::Primitive;
 use fearless_simd::Simd;
 use gradient::NearHit;
 use pool::{LeafRay, Pool};
-
-/// Stretches that are solved at once are this long, in typical supports …
-const LONGEST_STRETCH: f32 = 1.4;
-
-/// … and a frontier that is nearer than this is moved ahead before anything is solved.
-const SHORTEST_STRETCH: f32 = 0.35;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -51,18 +47,36 @@ pub fn closest(
     ray: &Ray,
     scratch: &mut Scratch,
 ) -> Option<BlobHit> {
+    closest_by::<Solver>(blobs, tree, ray, scratch)
+}
+
+/// Whether a traceable object-space ray has a crossing.
+pub fn occluded(blobs: &Blobs, tree: &ParticleTree, ray: &Ray, scratch: &mut Scratch) -> bool {
+    occluded_by::<Solver>(blobs, tree, ray, scratch)
+}
+
+/// First crossing, stretches being solved by `V`.
+pub(super) fn closest_by<V: FirstCrossing>(
+    blobs: &Blobs,
+    tree: &ParticleTree,
+    ray: &Ray,
+    scratch: &mut Scratch,
+) -> Option<BlobHit> {
     scratch.counters.rays += 1;
     let local = local_ray(blobs, tree.bounds, ray)?;
-    match find(blobs, tree, &local, Question::First, scratch)? {
+    match find::<V>(blobs, tree, &local, Question::First, scratch)? {
         Found::BeyondF32 => sweep::first(blobs, blobs.exact_tree(), ray, scratch),
         Found::Crossing { t: along, base } => {
             let t = local.parameter(ray, along);
             let at = ray.at(t) - blobs.field.origin;
             let ParticlesScratch { pool, near_hit, .. } = &mut scratch.particles;
-            let (outward, strongest) = specialised!(blobs, simd, K, P => {
-                near_hit.collect::<P>(tree, pool, (along - base) as f32, at);
-                near_hit.outward_and_strongest::<_, K, P>(simd)
-            });
+            let (outward, strongest) = specialised!(blobs, simd, K, P => simd.vectorize(
+                #[inline(always)]
+                || {
+                    near_hit.collect::<P>(tree, pool, (along - base) as f32, at);
+                    near_hit.outward_and_strongest::<_, K, P>(simd)
+                }
+            ));
             Some(BlobHit {
                 t,
                 outward,
@@ -73,20 +87,25 @@ pub fn closest(
     }
 }
 
-/// Whether a traceable object-space ray has a crossing.
-pub fn occluded(blobs: &Blobs, tree: &ParticleTree, ray: &Ray, scratch: &mut Scratch) -> bool {
+/// Whether there is a crossing, stretches being solved by `V`.
+pub(super) fn occluded_by<V: FirstCrossing>(
+    blobs: &Blobs,
+    tree: &ParticleTree,
+    ray: &Ray,
+    scratch: &mut Scratch,
+) -> bool {
     scratch.counters.rays += 1;
     let Some(local) = local_ray(blobs, tree.bounds, ray) else {
         return false;
     };
-    match find(blobs, tree, &local, Question::Any, scratch) {
+    match find::<V>(blobs, tree, &local, Question::Any, scratch) {
         None => false,
         Some(Found::Crossing { .. }) => true,
         Some(Found::BeyondF32) => sweep::first(blobs, blobs.exact_tree(), ray, scratch).is_some(),
     }
 }
 
-fn find(
+fn find<V: FirstCrossing>(
     blobs: &Blobs,
     tree: &ParticleTree,
     ray: &LocalRay,
@@ -95,12 +114,12 @@ fn find(
 ) -> Option<Found> {
     specialised!(blobs, simd, K, P => simd.vectorize(
         #[inline(always)]
-        || find_behind_frontier::<_, K, P>(simd, blobs, tree, ray, question, scratch)
+        || find_behind_frontier::<_, K, P, V>(simd, blobs, tree, ray, question, scratch)
     ))
 }
 
 #[inline(always)]
-fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive>(
+fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>(
     simd: S,
     blobs: &Blobs,
     tree: &ParticleTree,
@@ -119,9 +138,9 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive>(
     let slabs = Slabs::new(simd, &ray.slab_ray());
     let direction = ray.direction.as_vec3().to_array();
     let length = f64::from(ray.length);
-    let longest = LONGEST_STRETCH * tree.typical_support;
-    let shortest = SHORTEST_STRETCH * tree.typical_support;
-    let mut search = Search::new(blobs, tree.bounds, ray, question);
+    let longest = V::LONGEST_STRETCH * tree.typical_support;
+    let shortest = V::SHORTEST_STRETCH * tree.typical_support;
+    let mut search = Search::<V>::new(blobs, tree.bounds, ray, question);
     // Up to here the ray is solved; the pool's parameters count from `base`.
     let (mut solved, mut base) = (0.0_f64, 0.0_f64);
     // Where the ray enters the first inner sphere: a ray that comes from outside ends before.
@@ -149,11 +168,11 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive>(
                 continue;
             };
             counters.leaves += 1;
-            let block = leaf as usize * ParticleTree::leaf_blocks::<P>();
-            let header = LeafHeader::from_block(&tree.blocks[block]);
+            let first = leaf as usize * leaf_blocks::<P>();
+            let header = LeafHeader::from_block(&tree.blocks[first]);
             counters.blob_evaluations += header.count as u64;
-            let chunk = leaf_chunks::<P>(&tree.blocks, block as u32, header.count);
-            if header.fine_beta < f32::INFINITY && meets_fine::<P>(blobs, chunk, &header, ray) {
+            let chunk = &tree.blocks[first + 1..][..columns::<P>()];
+            if header.fine_beta < f32::INFINITY && meets_fine(blobs, chunk, &header, ray) {
                 return Some(Found::BeyondF32);
             }
             let center = glam::Vec3::from_array(header.center).as_dvec3();
@@ -207,4 +226,14 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive>(
             return None;
         }
     }
+}
+
+/// Whether the ray meets a blob that is too small for f32 in the leaf's coordinates.
+#[cold]
+fn meets_fine(blobs: &Blobs, chunk: &[Block], header: &LeafHeader, ray: &LocalRay) -> bool {
+    let indices = &chunk[chunk.len() - 1].0[..header.count];
+    indices.iter().any(|index| {
+        let i = index.to_bits() as usize;
+        meets_fine_blob(&blobs.field, i, header.fine_beta, ray)
+    })
 }

@@ -1,10 +1,10 @@
 //! The blobs that a ray has met and not yet left behind.
 
-use crate::accel::blocks::{Block, LANES, blocks_per_chunk};
-use crate::intersect::solve::{Active, meet};
+use crate::accel::cells::layout::{Block, LANES};
+use crate::intersect::solve::Active;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
-use crate::math::simd::splat3;
+use crate::math::simd::{splat3, xyz};
 use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
@@ -103,14 +103,18 @@ impl Pool {
     ) -> f32 {
         self.reserve(1);
         let zero = f32x16::splat(simd, 0.0);
-        let (line, most) = meet::<S, P>(
-            simd,
-            ray.chunk,
-            splat3(simd, ray.origin),
-            splat3(simd, ray.direction),
-            f32x16::splat(simd, ray.length),
+        let origin: [f32x16<S>; 3] = splat3(simd, ray.origin);
+        let w = xyz(
+            #[inline(always)]
+            |k| f32x16::from_slice(simd, &ray.chunk[k].0) - origin[k],
         );
-        let meets = most.simd_gt(zero);
+        let mut shape = [zero; 6];
+        for k in 0..P::COLUMNS {
+            shape[k] = f32x16::from_slice(simd, &ray.chunk[3 + k].0);
+        }
+        let line = P::along(&shape[..P::COLUMNS], w, splat3(simd, ray.direction));
+        let away = line.c.max(zero).min(f32x16::splat(simd, ray.length)) - line.c;
+        let meets = (line.g0 - line.beta * away * away).simd_gt(zero);
         let bits = meets.to_bitmask();
         if bits == 0 {
             return f32::INFINITY;
@@ -244,9 +248,4 @@ fn places(leaf: u32) -> [f32; LANES] {
         *place = f32::from_bits(leaf * LANES as u32 + lane as u32);
     }
     places
-}
-
-/// Columns of a chunk, for those who copy single blobs.
-pub(super) const fn chunk_columns<P: Primitive>() -> usize {
-    blocks_per_chunk(P::COLUMNS)
 }

@@ -1,6 +1,6 @@
 //! A ray as engines in f32 trace it: clipped in f64, so that f32 never sees a far origin.
 
-use crate::accel::slab::SlabRay;
+use crate::accel::cells::traverse::SlabRay;
 use crate::frame::Blobs;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Side};

@@ -1,20 +1,18 @@
 //! Solving for the first crossing of a ray in f32, shared by the engines that gather blobs: the ray's
-//! local form, the gather, the solver with its proof, and the care that a ray's own start takes.
+//! local form, the solver with its proof, and the care that a ray's own start takes.
 
-mod gather;
-mod gradient;
-mod leaf;
+mod active;
+mod fine;
 mod local;
 mod search;
 mod solver;
 mod start;
 
-pub(super) use gather::{Active, gather, meet};
-pub(super) use gradient::outward_and_strongest;
-pub(super) use leaf::{leaf_chunks, meets_fine};
+pub(super) use active::Active;
+pub(super) use fine::meets_fine_blob;
 pub(super) use local::{LocalRay, local_ray};
 pub(super) use search::{Question, Search};
-pub(super) use solver::Pending;
+pub(super) use solver::{Entry, FirstCrossing, NOISE, Pending, Segment, Solver, Verdict};
 pub(super) use start::{near_start, start_margin};
 
 /// Accuracy of t that the solver aims at, in spacings.

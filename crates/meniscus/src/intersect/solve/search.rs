@@ -2,9 +2,9 @@
 //! count.
 
 use super::T_TOLERANCE_SPACINGS;
-use super::gather::Active;
+use super::active::Active;
 use super::local::LocalRay;
-use super::solver::{Entry, Pending, Segment, Solver, Verdict};
+use super::solver::{Entry, FirstCrossing, Pending, Segment, Solver, Verdict};
 use super::start::{OwnStart, is_inside, start_margin};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
@@ -20,19 +20,19 @@ pub(in crate::intersect) enum Question {
     Any,
 }
 
-/// The state of one ray's search.
-pub(in crate::intersect) struct Search<'a> {
+/// The state of one ray's search, by one way of solving a segment.
+pub(in crate::intersect) struct Search<'a, V = Solver> {
     blobs: &'a Blobs,
     ray: &'a LocalRay,
     question: Question,
-    solver: Solver,
+    solver: V,
     start: OwnStart,
     start_margin: f64,
     /// Whether the ray is known to have been on the side that it is said to start on.
     pub(in crate::intersect) on_stated_side: bool,
 }
 
-impl<'a> Search<'a> {
+impl<'a, V: FirstCrossing> Search<'a, V> {
     /// Before the first stretch; `bounds` is the box around the structure.
     pub(in crate::intersect) fn new(
         blobs: &'a Blobs,
@@ -44,11 +44,11 @@ impl<'a> Search<'a> {
             blobs,
             ray,
             question,
-            solver: Solver {
+            solver: V::new(Solver {
                 threshold: blobs.field.threshold,
                 inside: ray.inside,
                 tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
-            },
+            }),
             start: OwnStart::new(blobs, bounds, ray),
             start_margin: f64::from(start_margin(bounds)),
             on_stated_side: ray.side_is_proven && !ray.starts_at_t_min,
@@ -77,7 +77,7 @@ impl<'a> Search<'a> {
     /// Notes that the field on a stretch stays below `most`; whether that settles the stretch.
     #[inline(always)]
     pub(in crate::intersect) fn stays_below(&mut self, most: f32) -> bool {
-        let settled = !self.solver.inside && most < self.solver.threshold;
+        let settled = !self.ray.inside && most < self.blobs.field.threshold;
         self.on_stated_side |= settled;
         settled
     }
@@ -103,7 +103,7 @@ impl<'a> Search<'a> {
             };
         if self.question == Question::Any && near > self.start.reach {
             // That there is a crossing is enough.
-            self.solver.tolerance = f32::INFINITY;
+            self.solver.stop_at_any();
         }
         let mut segment = Segment {
             from: 0.0,

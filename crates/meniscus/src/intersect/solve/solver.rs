@@ -5,8 +5,8 @@
 //! lies at most K ds²/8 below φ when K ≥ −φ″. An interval whose ends both lie below −K ds²/8 holds
 //! no crossing.
 
-use super::gather::Active;
-use crate::accel::blocks::LANES;
+use super::active::Active;
+use crate::accel::cells::layout::LANES;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use fearless_simd::prelude::*;
@@ -16,7 +16,7 @@ use fearless_simd::{Simd, f32x16};
 const PENDING: usize = 40;
 
 /// Relative rounding of a sum of kernels in f32: below this φ has no sign.
-const NOISE: f32 = 4e-7;
+pub(in crate::intersect) const NOISE: f32 = 4e-7;
 
 /// Relative rounding of a slope, with a margin.
 const SLOPE_NOISE: f32 = 1e-5;
@@ -128,6 +128,30 @@ pub(in crate::intersect) struct Solver {
     pub(in crate::intersect) tolerance: f32,
 }
 
+/// A way of solving one segment.
+pub(in crate::intersect) trait FirstCrossing {
+    /// Of a walk behind the frontier, stretches that are solved at once are this long, in typical
+    /// supports …
+    const LONGEST_STRETCH: f32;
+    /// … and a frontier that is nearer than this is moved ahead before anything is solved.
+    const SHORTEST_STRETCH: f32;
+
+    /// For the equation of `solver`.
+    fn new(solver: Solver) -> Self;
+
+    /// From now on any place will do as a crossing's.
+    fn stop_at_any(&mut self);
+
+    /// The first crossing on the segment; `active` holds the blobs that it meets.
+    fn first_crossing<S: Simd, K: KernelShape>(
+        &self,
+        simd: S,
+        active: &Active,
+        pending: &mut Pending,
+        segment: Segment,
+    ) -> Verdict;
+}
+
 /// `sum` plus the field of one blob at sixteen points.
 #[inline(always)]
 fn add_blob<S: Simd, K: KernelShape>(
@@ -145,7 +169,7 @@ fn add_blob<S: Simd, K: KernelShape>(
 impl Solver {
     /// φ at sixteen points.
     #[inline(always)]
-    fn sample<S: Simd, K: KernelShape>(
+    pub(in crate::intersect) fn sample<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
@@ -193,7 +217,7 @@ impl Solver {
 
     /// Bounds (−φ″, +φ″) over [from, to], from the blobs whose support meets it.
     #[inline(always)]
-    fn bend<S: Simd, K: KernelShape>(
+    pub(in crate::intersect) fn bend<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
@@ -218,10 +242,24 @@ impl Solver {
         let (down, up) = (down.reduce_sum(), up.reduce_sum());
         if self.inside { (up, down) } else { (down, up) }
     }
+}
 
-    /// The first crossing on the segment.
+impl FirstCrossing for Solver {
+    const LONGEST_STRETCH: f32 = 1.4;
+    const SHORTEST_STRETCH: f32 = 0.35;
+
     #[inline(always)]
-    pub(in crate::intersect) fn first_crossing<S: Simd, K: KernelShape>(
+    fn new(solver: Solver) -> Self {
+        solver
+    }
+
+    #[inline(always)]
+    fn stop_at_any(&mut self) {
+        self.tolerance = f32::INFINITY;
+    }
+
+    #[inline(always)]
+    fn first_crossing<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
@@ -379,10 +417,16 @@ impl Solver {
             Verdict::StaysOnSide
         }
     }
+}
 
+impl Solver {
     /// The first crossing of a ray from outside with the only blob that it meets, in closed form.
     #[inline(always)]
-    fn lone_blob<K: KernelShape>(&self, active: &Active, length: f32) -> Verdict {
+    pub(in crate::intersect) fn lone_blob<K: KernelShape>(
+        &self,
+        active: &Active,
+        length: f32,
+    ) -> Verdict {
         let level = self.threshold / active.weight[0];
         if level <= 0.0 || level >= 1.0 {
             return Verdict::StaysOnSide;

@@ -11,7 +11,7 @@ mod visit;
 
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
-use crate::accel::slab::SlabRay;
+use crate::accel::cells::traverse::SlabRay;
 use crate::frame::Blobs;
 use crate::intersect::Scratch;
 use crate::intersect::solve::{

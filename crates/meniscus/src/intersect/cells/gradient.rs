@@ -1,7 +1,7 @@
 //! The field's gradient and strongest blob at a point of a leaf.
 
 use super::gather::lanes;
-use crate::accel::blocks::{Block, blocks_per_chunk};
+use crate::accel::cells::layout::{Block, blocks_per_chunk};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
@@ -12,7 +12,7 @@ use glam::DVec3;
 
 /// −∇F and the index of the blob with the largest |w·k| at `point` (leaf-relative).
 #[inline(always)]
-pub(in crate::intersect) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
+pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     chunks: &[Block],
     point: [f32; 3],
