@@ -14,7 +14,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
 /// Parts narrower than this fraction of the segment are not split: f32 cannot tell their ends apart.
-const NARROWEST: f32 = 1e-6;
+const NARROWEST: f32 = 2.5e-7;
 
 /// Intervals waiting for a closer look: each level of refinement leaves at most one behind.
 const WAITING: usize = 16;
@@ -68,8 +68,7 @@ impl Slopes {
 }
 
 impl FirstCrossing for Refinement {
-    const LONGEST_STRETCH: f32 = 1.4;
-    const SHORTEST_STRETCH: f32 = 0.35;
+    const COLLECTS_FIRST: bool = true;
 
     #[inline(always)]
     fn new(solver: Solver) -> Self {
@@ -90,18 +89,32 @@ impl FirstCrossing for Refinement {
         segment: Segment,
     ) -> Verdict {
         let outside = !self.solver.inside;
-        let at_start = self.slopes::<S, K>(simd, active, (segment.from, segment.from), outside);
+        let Segment {
+            mut from,
+            length,
+            entry,
+        } = segment;
+        let at_start = self.slopes::<S, K>(simd, active, (from, from), outside);
         // While `returning` the search is for the side that the ray is said to start on.
-        let mut returning = match segment.entry {
-            Entry::Confirmed if at_start.at_end >= 0.0 => return Verdict::Crossing(segment.from),
-            Entry::Unconfirmed if at_start.at_end > 0.0 => return Verdict::Unclear,
+        let mut returning = match entry {
+            Entry::Confirmed if at_start.at_end >= 0.0 => return Verdict::Crossing(from),
+            Entry::Unconfirmed if at_start.at_end > 0.0 => {
+                let part = (length - from) / LANES as f32;
+                let slopes = self.slopes::<S, K>(simd, active, (from, from + part), outside);
+                if slopes.most >= 0.0 || slopes.at_end >= 0.0 {
+                    return Verdict::Unclear;
+                }
+                // Falls all the way to the stated side.
+                from += part;
+                false
+            }
             Entry::Confirmed | Entry::Unconfirmed => false,
             Entry::Returning => at_start.at_end > 0.0,
         };
         let only_positive = active.weight[..active.count].iter().all(|&w| w >= 0.0);
         let noise = NOISE * self.solver.threshold.max(1.0);
         let mut waiting = [(0.0_f32, 0.0_f32); WAITING];
-        waiting[0] = (segment.from, segment.length);
+        waiting[0] = (from, length);
         let mut depth = 1;
         while depth > 0 {
             depth -= 1;
@@ -120,7 +133,7 @@ impl FirstCrossing for Refinement {
                 let begin = begins[k];
                 let end = if k + 1 < LANES { begins[k + 1] } else { to };
                 let slopes = self.slopes::<S, K>(simd, active, (begin, end), above);
-                let fine = end - begin <= NARROWEST * segment.length
+                let fine = end - begin <= NARROWEST * length
                     || (slopes.most - slopes.least) * (end - begin) <= noise
                     || depth + 2 > WAITING;
                 if slopes.is_monotone() || fine {
@@ -131,8 +144,8 @@ impl FirstCrossing for Refinement {
                         return Verdict::Crossing(self.root::<S, K>(simd, active, begin, end));
                     }
                     returning = false;
-                    waiting[0] = (end, segment.length);
-                    depth = usize::from(end < segment.length);
+                    waiting[0] = (end, length);
+                    depth = usize::from(end < length);
                     break;
                 }
                 if end < to {

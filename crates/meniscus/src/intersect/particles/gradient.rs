@@ -19,37 +19,44 @@ pub(super) struct NearHit {
 }
 
 impl NearHit {
-    /// Copies the blobs of the pool whose support holds the point `along` from its origin, which is
-    /// the local point `at`.
-    pub(super) fn collect<P: Primitive>(
+    /// Copies the blobs of the pool whose support holds the point at `place` (`along` behind `from`)
+    /// of the ray, the local point `at`.
+    #[inline(always)]
+    pub(super) fn collect<S: Simd, P: Primitive>(
         &mut self,
+        simd: S,
         tree: &ParticleTree,
         pool: &Pool,
-        along: f32,
+        place: (f32, f32),
         at: DVec3,
     ) {
         self.chunks.clear();
         let mut lane_to = LANES;
-        pool.for_each_at(along, |leaf, lane| {
-            let block = leaf as usize * leaf_blocks::<P>();
-            let header = LeafHeader::from_block(&tree.blocks[block]);
-            let from = &tree.blocks[block + 1..][..columns::<P>()];
-            if lane_to == LANES {
-                lane_to = 0;
-                let longer = self.chunks.len() + columns::<P>();
-                self.chunks.resize(longer, Block::ZERO);
-            }
-            let first = self.chunks.len() - columns::<P>();
-            let to = &mut self.chunks[first..];
-            let offset = Vec3::from_array(header.center).as_dvec3() - at;
-            for axis in 0..3 {
-                to[axis].0[lane_to] = (f64::from(from[axis].0[lane]) + offset[axis]) as f32;
-            }
-            for k in 3..columns::<P>() {
-                to[k].0[lane_to] = from[k].0[lane];
-            }
-            lane_to += 1;
-        });
+        pool.for_each_at(
+            simd,
+            place,
+            #[inline(always)]
+            |leaf, lane| {
+                let block = leaf as usize * leaf_blocks::<P>();
+                let header = LeafHeader::from_block(&tree.blocks[block]);
+                let from = &tree.blocks[block + 1..][..columns::<P>()];
+                if lane_to == LANES {
+                    lane_to = 0;
+                    let longer = self.chunks.len() + columns::<P>();
+                    self.chunks.resize(longer, Block::ZERO);
+                }
+                let first = self.chunks.len() - columns::<P>();
+                let to = &mut self.chunks[first..];
+                let offset = Vec3::from_array(header.center).as_dvec3() - at;
+                for axis in 0..3 {
+                    to[axis].0[lane_to] = (f64::from(from[axis].0[lane]) + offset[axis]) as f32;
+                }
+                for k in 3..columns::<P>() {
+                    to[k].0[lane_to] = from[k].0[lane];
+                }
+                lane_to += 1;
+            },
+        );
     }
 
     /// −∇F and the index of the blob with the largest |w·k| at the crossing.

@@ -2,6 +2,7 @@
 //! stretch of the ray up to the frontier, the nearest box that is not yet open: what lies beyond it
 //! cannot reach the field before it.
 
+mod ends;
 mod gradient;
 mod pool;
 
@@ -18,9 +19,16 @@ use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::Ray;
 use crate::primitive::Primitive;
+use ends::Ends;
 use fearless_simd::Simd;
 use gradient::NearHit;
 use pool::{LeafRay, Pool};
+
+/// Stretches that are solved at once are this long, in typical supports …
+const LONGEST_STRETCH: f32 = 1.4;
+
+/// … and a frontier that is nearer than this is moved ahead before anything is solved.
+const SHORTEST_STRETCH: f32 = 0.35;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -34,8 +42,8 @@ pub struct ParticlesScratch {
 
 /// What a search ended with, in the engine's own terms.
 enum Found {
-    /// The first crossing, and the origin of the pool's parameters.
-    Crossing { t: f64, base: f64 },
+    /// The first crossing, and where the stretch that holds it begins.
+    Crossing { t: f64, from: f32 },
     /// The ray meets blobs too small for f32: engine `sweep` has to look.
     BeyondF32,
 }
@@ -66,14 +74,15 @@ pub(super) fn closest_by<V: FirstCrossing>(
     let local = local_ray(blobs, tree.bounds, ray)?;
     match find::<V>(blobs, tree, &local, Question::First, scratch)? {
         Found::BeyondF32 => sweep::first(blobs, blobs.exact_tree(), ray, scratch),
-        Found::Crossing { t: along, base } => {
+        Found::Crossing { t: along, from } => {
             let t = local.parameter(ray, along);
             let at = ray.at(t) - blobs.field.origin;
+            let place = (from, (along - f64::from(from)) as f32);
             let ParticlesScratch { pool, near_hit, .. } = &mut scratch.particles;
             let (outward, strongest) = specialised!(blobs, simd, K, P => simd.vectorize(
                 #[inline(always)]
                 || {
-                    near_hit.collect::<P>(tree, pool, (along - base) as f32, at);
+                    near_hit.collect::<_, P>(simd, tree, pool, place, at);
                     near_hit.outward_and_strongest::<_, K, P>(simd)
                 }
             ));
@@ -137,30 +146,33 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
     let counters = &mut scratch.counters;
     let slabs = Slabs::new(simd, &ray.slab_ray());
     let direction = ray.direction.as_vec3().to_array();
-    let length = f64::from(ray.length);
-    let longest = V::LONGEST_STRETCH * tree.typical_support;
-    let shortest = V::SHORTEST_STRETCH * tree.typical_support;
+    let longest = LONGEST_STRETCH * tree.typical_support;
+    let shortest = SHORTEST_STRETCH * tree.typical_support;
     let mut search = Search::<V>::new(blobs, tree.bounds, ray, question);
-    // Up to here the ray is solved; the pool's parameters count from `base`.
-    let (mut solved, mut base) = (0.0_f64, 0.0_f64);
-    // Where the ray enters the first inner sphere: a ray that comes from outside ends before.
-    let mut inner = f64::INFINITY;
+    let mut ends = Ends::new(tree.inner_level, search.own_reach());
+    // Up to here the ray is solved.
+    let mut solved = 0.0_f32;
     frontier.start(tree);
     pool.clear();
     loop {
         // Open what is near.
         while let Some(near) = frontier.near() {
-            let near = f64::from(near);
             if pool.count == 0 {
-                solved = solved.max(near);
-                if search.is_past_start(solved) {
-                    // No support reaches the ray before.
+                // No support reaches the ray before.
+                if search.is_past_start(f64::from(near.max(solved))) {
+                    solved = solved.max(near);
                     search.on_stated_side |= !ray.inside;
-                } else {
-                    solved = 0.0;
                 }
-                base = solved;
-            } else if near - solved >= f64::from(shortest) {
+            } else if V::COLLECTS_FIRST {
+                let end = if ray.inside {
+                    ends.last_exit
+                } else {
+                    ends.inner
+                };
+                if near > end.max(solved) {
+                    break;
+                }
+            } else if near - solved >= shortest {
                 break;
             }
             let Some(leaf) = frontier.visit(simd, tree, &slabs) else {
@@ -176,53 +188,49 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
                 return Some(Found::BeyondF32);
             }
             let center = glam::Vec3::from_array(header.center).as_dvec3();
+            let origin = (ray.origin + ray.direction * f64::from(near) - center).as_vec3();
             let leaf_ray = LeafRay {
                 chunk,
                 leaf,
-                origin: (ray.origin + ray.direction * near - center)
-                    .as_vec3()
-                    .to_array(),
+                origin: origin.to_array(),
                 direction,
-                length: (length - near) as f32,
-                offset: (near - base) as f32,
+                near,
+                length: ray.length - near,
             };
-            let enter = pool.add::<S, P>(
-                simd,
-                &leaf_ray,
-                tree.inner_level,
-                search.own_reach() - base as f32,
-            );
-            inner = inner.min(base + f64::from(enter));
+            pool.add::<S, P>(simd, &leaf_ray, &mut ends);
         }
         if pool.count == 0 {
             return None;
         }
         // Solve what nothing else can reach.
-        let known = frontier
-            .near()
-            .map_or(length, |near| f64::from(near).min(length));
-        let mut end = known.min(solved + f64::from(longest));
-        if search.on_stated_side && !ray.inside && inner > solved && inner <= length {
-            if question == Question::Any {
-                return Some(Found::Crossing { t: inner, base });
-            }
-            if inner <= end {
-                // Reached once: by rounding there may be nothing.
-                (end, inner) = (inner, f64::INFINITY);
-            }
+        let known = frontier.near().unwrap_or(ray.length).min(ray.length);
+        let mut end = known.min(solved + longest);
+        if end <= solved {
+            // Supports below the rounding of places along the ray.
+            end = known;
         }
-        let stretch = (end - solved) as f32;
-        let most = pool.advance::<S, K>(simd, (solved - base) as f32, stretch, active);
-        base = solved;
+        if ends.inner <= solved {
+            // By rounding there was nothing, or the ray was not yet on its side.
+            ends.inner = f32::INFINITY;
+        }
+        if search.on_stated_side && !ray.inside && ends.inner <= ray.length {
+            if question == Question::Any {
+                let t = f64::from(ends.inner);
+                return Some(Found::Crossing { t, from: solved });
+            }
+            end = end.min(ends.inner);
+        }
+        let stretch = end - solved;
+        let most = pool.advance::<S, K>(simd, solved, stretch, active);
         let nothing_there = active.count == 0 && !(ray.inside && search.on_stated_side);
         if !search.stays_below(most) && !nothing_there {
-            let found = search.first_on::<S, K>(simd, active, pending, solved, stretch);
-            if let Some(t) = found {
-                return Some(Found::Crossing { t, base });
+            let near = f64::from(solved);
+            if let Some(t) = search.first_on::<S, K>(simd, active, pending, near, stretch) {
+                return Some(Found::Crossing { t, from: solved });
             }
         }
-        solved += f64::from(stretch);
-        if solved >= length {
+        solved = end;
+        if solved >= ray.length {
             return None;
         }
     }

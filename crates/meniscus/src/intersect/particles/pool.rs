@@ -1,5 +1,6 @@
 //! The blobs that a ray has met and not yet left behind.
 
+use super::ends::Ends;
 use crate::accel::cells::layout::{Block, LANES};
 use crate::intersect::solve::Active;
 use crate::kernel::KernelShape;
@@ -9,12 +10,14 @@ use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
-/// Blobs as parabolas g(s) = g₀ − β(s − c)², s counted from the frontier of what is solved; columns
-/// that are longer than `count`.
+/// Blobs as parabolas g(s) = g₀ − β(s − offset − c)², s counted from the ray's start; columns that are
+/// longer than `count`. Two numbers for the middle, so that f32 is as good far along the ray as near
+/// its start.
 #[derive(Debug, Default)]
 pub(super) struct Pool {
     pub(super) count: usize,
     c: Vec<f32>,
+    offset: Vec<f32>,
     beta: Vec<f32>,
     g0: Vec<f32>,
     weight: Vec<f32>,
@@ -34,8 +37,8 @@ pub(super) struct LeafRay<'a> {
     pub(super) direction: [f32; 3],
     /// What is left of the ray there.
     pub(super) length: f32,
-    /// From the pool's origin to where the ray enters.
-    pub(super) offset: f32,
+    /// How far along the ray that is.
+    pub(super) near: f32,
 }
 
 impl Pool {
@@ -58,6 +61,7 @@ impl Pool {
         let length = wanted.next_power_of_two();
         for column in [
             &mut self.c,
+            &mut self.offset,
             &mut self.beta,
             &mut self.g0,
             &mut self.weight,
@@ -69,7 +73,7 @@ impl Pool {
 
     /// Sixteen lanes of all columns.
     #[inline(always)]
-    fn lanes<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 5] {
+    fn lanes<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 6] {
         let end = at + LANES;
         [
             f32x16::from_slice(simd, &self.c[at..end]),
@@ -77,30 +81,24 @@ impl Pool {
             f32x16::from_slice(simd, &self.g0[at..end]),
             f32x16::from_slice(simd, &self.weight[at..end]),
             f32x16::from_slice(simd, &self.place[at..end]),
+            f32x16::from_slice(simd, &self.offset[at..end]),
         ]
     }
 
     #[inline(always)]
-    fn store<S: Simd>(&mut self, at: usize, lanes: [f32x16<S>; 5]) {
+    fn store<S: Simd>(&mut self, at: usize, lanes: [f32x16<S>; 6]) {
         let end = at + LANES;
         lanes[0].store_slice(&mut self.c[at..end]);
         lanes[1].store_slice(&mut self.beta[at..end]);
         lanes[2].store_slice(&mut self.g0[at..end]);
         lanes[3].store_slice(&mut self.weight[at..end]);
         lanes[4].store_slice(&mut self.place[at..end]);
+        lanes[5].store_slice(&mut self.offset[at..end]);
     }
 
-    /// Adds the blobs of a leaf that the ray meets; returns where it first enters an inner sphere,
-    /// g ≥ `inner`, of those that lie more than `beyond` ahead (infinity: none). `inner` above 1: there
-    /// are no inner spheres.
+    /// Adds the blobs of a leaf that the ray meets.
     #[inline(always)]
-    pub(super) fn add<S: Simd, P: Primitive>(
-        &mut self,
-        simd: S,
-        ray: &LeafRay,
-        inner: f32,
-        beyond: f32,
-    ) -> f32 {
+    pub(super) fn add<S: Simd, P: Primitive>(&mut self, simd: S, ray: &LeafRay, ends: &mut Ends) {
         self.reserve(1);
         let zero = f32x16::splat(simd, 0.0);
         let origin: [f32x16<S>; 3] = splat3(simd, ray.origin);
@@ -117,46 +115,32 @@ impl Pool {
         let meets = (line.g0 - line.beta * away * away).simd_gt(zero);
         let bits = meets.to_bitmask();
         if bits == 0 {
-            return f32::INFINITY;
+            return;
         }
-        let c = line.c + ray.offset;
         let weight = f32x16::from_slice(simd, &ray.chunk[3 + P::COLUMNS].0);
         let place = f32x16::from_slice(simd, &places(ray.leaf));
         self.store(
             self.count,
             [
-                c.compress(meets),
+                line.c.compress(meets),
                 line.beta.compress(meets),
                 line.g0.compress(meets),
                 weight.compress(meets),
                 place.compress(meets),
+                f32x16::splat(simd, ray.near),
             ],
         );
         self.count += bits.count_ones() as usize;
-        if inner >= 1.0 {
-            return f32::INFINITY;
-        }
-        let rise = line.g0 - inner;
-        let pierces = meets & rise.simd_gt(zero);
-        if pierces.to_bitmask() == 0 {
-            return f32::INFINITY;
-        }
-        let one = f32x16::splat(simd, 1.0);
-        let half = (rise.max(zero) / pierces.select(line.beta, one)).sqrt();
-        let enter = c - half;
-        let ahead = pierces & enter.simd_gt(f32x16::splat(simd, beyond));
-        ahead
-            .select(enter, f32x16::splat(simd, f32::INFINITY))
-            .reduce_min()
+        ends.note(simd, &line, meets, ray.near);
     }
 
-    /// Moves the origin ahead by `step`, drops what lies behind it, and puts the blobs that the stretch
-    /// [0, length] from there meets into `active`. Returns an upper bound of the field on it.
+    /// Drops what the ray leaves before `from`, and puts the blobs that the stretch of that length from
+    /// there meets into `active`, relative to `from`. Returns an upper bound of the field on it.
     #[inline(always)]
     pub(super) fn advance<S: Simd, K: KernelShape>(
         &mut self,
         simd: S,
-        step: f32,
+        from: f32,
         length: f32,
         active: &mut Active,
     ) -> f32 {
@@ -167,8 +151,8 @@ impl Pool {
         let mut upper = zero;
         let end = f32x16::splat(simd, length);
         for at in (0..kept).step_by(LANES) {
-            let [c, beta, g0, weight, place] = self.lanes(simd, at);
-            let c = c - step;
+            let [middle, beta, g0, weight, place, offset] = self.lanes(simd, at);
+            let c = middle + (offset - from);
             let behind = c.min(zero);
             let present = lanes_below(simd, kept - at);
             let keep = (g0 - beta * behind * behind).simd_gt(zero) & present;
@@ -180,11 +164,12 @@ impl Pool {
             self.store(
                 self.count,
                 [
-                    c.compress(keep),
+                    middle.compress(keep),
                     beta.compress(keep),
                     g0.compress(keep),
                     weight.compress(keep),
                     place.compress(keep),
+                    offset.compress(keep),
                 ],
             );
             self.count += keep.to_bitmask().count_ones() as usize;
@@ -208,13 +193,24 @@ impl Pool {
         upper.reduce_sum()
     }
 
-    /// Calls `visit(leaf, lane)` with the blobs whose support holds the point `at` from the origin, and
+    /// Calls `visit(leaf, lane)` with the blobs whose support holds the point `along` behind `from`, and
     /// with some whose border is next to it.
-    pub(super) fn for_each_at(&self, at: f32, mut visit: impl FnMut(u32, usize)) {
-        for i in 0..self.count {
-            let away = at - self.c[i];
-            if self.g0[i] - self.beta[i] * away * away > -NEXT_TO {
-                let place = self.place[i].to_bits();
+    #[inline(always)]
+    pub(super) fn for_each_at<S: Simd>(
+        &self,
+        simd: S,
+        (from, along): (f32, f32),
+        mut visit: impl FnMut(u32, usize),
+    ) {
+        for first in (0..self.count).step_by(LANES) {
+            let [c, beta, g0, _, _, offset] = self.lanes(simd, first);
+            let away = c + (offset - from) - along;
+            let reached = (g0 - beta * away * away).simd_gt(f32x16::splat(simd, -NEXT_TO))
+                & lanes_below(simd, self.count - first);
+            let mut bits = reached.to_bitmask() as u32;
+            while bits != 0 {
+                let place = self.place[first + bits.trailing_zeros() as usize].to_bits();
+                bits &= bits - 1;
                 visit(place / LANES as u32, place as usize % LANES);
             }
         }

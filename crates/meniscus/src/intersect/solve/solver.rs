@@ -130,11 +130,9 @@ pub(in crate::intersect) struct Solver {
 
 /// A way of solving one segment.
 pub(in crate::intersect) trait FirstCrossing {
-    /// Of a walk behind the frontier, stretches that are solved at once are this long, in typical
-    /// supports …
-    const LONGEST_STRETCH: f32;
-    /// … and a frontier that is nearer than this is moved ahead before anything is solved.
-    const SHORTEST_STRETCH: f32;
+    /// Of a walk behind the frontier: whether all blobs that may count are collected before anything is
+    /// solved.
+    const COLLECTS_FIRST: bool;
 
     /// For the equation of `solver`.
     fn new(solver: Solver) -> Self;
@@ -245,8 +243,7 @@ impl Solver {
 }
 
 impl FirstCrossing for Solver {
-    const LONGEST_STRETCH: f32 = 1.4;
-    const SHORTEST_STRETCH: f32 = 0.35;
+    const COLLECTS_FIRST: bool = false;
 
     #[inline(always)]
     fn new(solver: Solver) -> Self {
