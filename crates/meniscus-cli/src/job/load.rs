@@ -8,7 +8,7 @@ use crate::interrupt;
 use crate::progress::Reporter;
 use crate::report::{Excerpt, Message};
 use meniscus::field::{BlobField, FieldError, FieldReport};
-use meniscus::frame::{Frame, Geometry};
+use meniscus::frame::Frame;
 use meniscus::particles::io::{self, ParticleFile};
 use meniscus::scene::{BlobSettings, Scene};
 use std::path::Path;
@@ -30,26 +30,9 @@ pub(crate) struct LoadedFrame {
 }
 
 impl LoadedFrame {
-    /// Memory of the acceleration structures.
-    pub(crate) fn structure_bytes(&self) -> usize {
-        self.blobs()
-            .map(|blobs| blobs.accel.structure_bytes())
-            .sum()
-    }
-
     /// Particles in the frame.
     pub(crate) fn particles(&self) -> usize {
-        self.blobs().map(|blobs| blobs.field.len()).sum()
-    }
-
-    fn blobs(&self) -> impl Iterator<Item = &meniscus::frame::Blobs> {
-        self.frame
-            .geometries
-            .iter()
-            .filter_map(|geometry| match geometry {
-                Geometry::Blobs(blobs) => Some(&**blobs),
-                Geometry::Plane(_) => None,
-            })
+        self.frame.blobs().map(|blobs| blobs.field.len()).sum()
     }
 }
 

@@ -52,14 +52,10 @@ pub enum Accel {
 }
 
 impl Accel {
-    /// Builds the structure; `level` is the SIMD level it will be traversed with.
-    pub fn build(
-        engine: Engine,
-        field: &crate::field::BlobField,
-        level: crate::math::simd::Level,
-    ) -> Self {
+    /// Builds the structure.
+    pub fn build(engine: Engine, field: &crate::field::BlobField) -> Self {
         match engine {
-            Engine::Cells => Self::Cells(cells::Cells::build(field, level)),
+            Engine::Cells => Self::Cells(cells::Cells::build(field)),
             Engine::Particles => Self::Particles(particle_tree(field)),
             Engine::Interval => Self::Interval(particle_tree(field)),
             Engine::Sweep => Self::Sweep(supports::SupportTree::build(field)),

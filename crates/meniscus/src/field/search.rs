@@ -33,19 +33,16 @@ impl Search {
 
 impl BlobField {
     /// The tree over the packed supports.
-    fn support_tree(&self) -> &BoxTree {
+    pub fn support_tree(&self) -> &BoxTree {
         self.search.0.get_or_init(|| {
-            let boxes: Vec<DAabb> = (0..self.len())
-                .map(|i| {
-                    let center = self.center(i).as_dvec3();
-                    let half = glam::Vec3::from_array(self.shapes.half_extents(i)).as_dvec3();
-                    DAabb {
-                        min: center - half,
-                        max: center + half,
-                    }
-                })
-                .collect();
-            BoxTree::build(boxes.len(), |i| boxes[i])
+            BoxTree::build(self.len(), |i| {
+                let center = self.center(i).as_dvec3();
+                let half = glam::Vec3::from_array(self.shapes.half_extents(i)).as_dvec3();
+                DAabb {
+                    min: center - half,
+                    max: center + half,
+                }
+            })
         })
     }
 

@@ -34,12 +34,27 @@ pub struct Blobs {
 impl Blobs {
     /// Builds the structure of `field` for `engine`.
     pub fn build(field: BlobField, engine: Engine, level: Level) -> Self {
-        let accel = Accel::build(engine, &field, level);
+        let accel = Accel::build(engine, &field);
         Self {
             field,
             accel,
             level,
             exact: OnceLock::new(),
+        }
+    }
+
+    /// Memory that tracing has taken so far: the structure with what rays have refined, and the trees
+    /// over the supports.
+    pub fn structure_bytes(&self) -> usize {
+        let exact = self.exact.get().map_or(0, SupportTree::structure_bytes);
+        self.accel.structure_bytes() + self.field.search.bytes() + exact
+    }
+
+    /// Time that threads have spent on refining the structure for rays, summed over them.
+    pub fn refinement_secs(&self) -> f64 {
+        match &self.accel {
+            Accel::Cells(cells) => cells.refinement_secs(),
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => 0.0,
         }
     }
 
@@ -127,6 +142,28 @@ impl Default for Frame {
             ground: None,
             background: None,
         }
+    }
+}
+
+impl Frame {
+    /// The blob fields.
+    pub fn blobs(&self) -> impl Iterator<Item = &Blobs> {
+        self.geometries
+            .iter()
+            .filter_map(|geometry| match geometry {
+                Geometry::Blobs(blobs) => Some(&**blobs),
+                Geometry::Plane(_) => None,
+            })
+    }
+
+    /// [`Blobs::structure_bytes`] of all.
+    pub fn structure_bytes(&self) -> usize {
+        self.blobs().map(Blobs::structure_bytes).sum()
+    }
+
+    /// [`Blobs::refinement_secs`] of all.
+    pub fn refinement_secs(&self) -> f64 {
+        self.blobs().map(Blobs::refinement_secs).sum()
     }
 }
 

@@ -47,6 +47,13 @@ pub struct Scratch {
     object_rays: ObjectRays,
 }
 
+impl Scratch {
+    /// Leaves with blobs too small for f32 that single rays have visited so far.
+    fn fine_leaves(&self) -> u64 {
+        self.cells.fine_leaves + self.particles.fine_leaves
+    }
+}
+
 /// Where a ray meets a blob surface, in the object's space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlobHit {
@@ -152,14 +159,9 @@ impl Blobs {
 
     /// Every crossing of an object-space ray, in order, appended to `crossings`.
     pub fn crossings(&self, ray: &Ray, scratch: &mut Scratch, crossings: &mut Vec<Crossing>) {
-        let in_float64 = match &self.accel {
-            Accel::Cells(cells) => cells.has_fine_blobs,
-            Accel::Particles(tree) | Accel::Interval(tree) => tree.has_fine_blobs,
-            Accel::Sweep(_) => true,
-        };
-        if in_float64 {
+        if let Accel::Sweep(tree) = &self.accel {
             if ray.is_traceable() {
-                sweep::crossings(self, self.exact_tree(), ray, scratch, crossings);
+                sweep::crossings(self, tree, ray, scratch, crossings);
             }
             return;
         }
@@ -167,8 +169,14 @@ impl Blobs {
         let local_origin = ray.origin - self.field.origin;
         let side_at = |t: f64| self.field.side(local_origin + ray.direction * t);
         let first = crossings.len();
+        let fine_leaves = scratch.fine_leaves();
         let mut rest = *ray;
         while let Some(hit) = self.closest(&rest, scratch) {
+            if scratch.fine_leaves() != fine_leaves {
+                crossings.truncate(first);
+                sweep::crossings(self, self.exact_tree(), ray, scratch, crossings);
+                return;
+            }
             let after = if hit.entering {
                 Side::Inside
             } else {
@@ -236,13 +244,19 @@ impl Frame {
         let mut buffers = std::mem::take(&mut scratch.object_rays);
         for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
             for (surface, instance) in self.instances.iter().enumerate() {
-                buffers.rays.clear();
-                buffers
-                    .rays
-                    .extend(rays.iter().zip(&*hits).map(|(ray, hit)| {
-                        let nearest = hit.map_or(ray.t_max, |hit| hit.t);
-                        transformed(ray, &instance.object_from_world).with_range(ray.t_min, nearest)
-                    }));
+                let object_from_world = &instance.object_from_world;
+                let object_rays =
+                    if is_identity(object_from_world) && hits.iter().all(Option::is_none) {
+                        rays
+                    } else {
+                        buffers.rays.clear();
+                        let moved = rays.iter().zip(&*hits).map(|(ray, hit)| {
+                            let nearest = hit.map_or(ray.t_max, |hit| hit.t);
+                            transformed(ray, object_from_world).with_range(ray.t_min, nearest)
+                        });
+                        buffers.rays.extend(moved);
+                        &buffers.rays
+                    };
                 let normal_matrix = instance.object_from_world.matrix3.transpose();
                 let hit_at = |ray: &Ray, t: f64, outward: DVec3, blob, entering| Hit {
                     t,
@@ -257,7 +271,7 @@ impl Frame {
                         let found = &mut buffers.closest;
                         found.clear();
                         found.resize(rays.len(), None);
-                        blobs.closest_many(&buffers.rays, found, scratch);
+                        blobs.closest_many(object_rays, found, scratch);
                         for ((ray, hit), found) in rays.iter().zip(&mut *hits).zip(found) {
                             if let Some(f) = found {
                                 *hit = Some(hit_at(
@@ -271,7 +285,7 @@ impl Frame {
                         }
                     }
                     Geometry::Plane(plane) => {
-                        for ((ray, hit), moved) in rays.iter().zip(&mut *hits).zip(&buffers.rays) {
+                        for ((ray, hit), moved) in rays.iter().zip(&mut *hits).zip(object_rays) {
                             if let Some((t, entering)) = plane.closest(moved) {
                                 *hit = Some(hit_at(ray, t, plane.normal, None, entering));
                             }
@@ -301,23 +315,27 @@ impl Frame {
         let mut buffers = std::mem::take(&mut scratch.object_rays);
         for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
             for instance in &self.instances {
-                buffers.rays.clear();
                 let object_from_world = &instance.object_from_world;
-                buffers
-                    .rays
-                    .extend(rays.iter().map(|ray| transformed(ray, object_from_world)));
+                let object_rays = if is_identity(object_from_world) {
+                    rays
+                } else {
+                    buffers.rays.clear();
+                    let moved = rays.iter().map(|ray| transformed(ray, object_from_world));
+                    buffers.rays.extend(moved);
+                    &buffers.rays
+                };
                 match &self.geometries[instance.geometry as usize] {
                     Geometry::Blobs(blobs) => {
                         let found = &mut buffers.occluded;
                         found.clear();
                         found.resize(rays.len(), false);
-                        blobs.occluded_many(&buffers.rays, found, scratch);
+                        blobs.occluded_many(object_rays, found, scratch);
                         for (hit, found) in hits.iter_mut().zip(found) {
                             *hit |= *found;
                         }
                     }
                     Geometry::Plane(plane) => {
-                        for (hit, ray) in hits.iter_mut().zip(&buffers.rays) {
+                        for (hit, ray) in hits.iter_mut().zip(object_rays) {
                             *hit |= plane.closest(ray).is_some();
                         }
                     }
@@ -345,10 +363,11 @@ impl crate::frame::Plane {
     }
 }
 
+fn is_identity(object_from_world: &glam::DAffine3) -> bool {
+    *object_from_world == glam::DAffine3::IDENTITY
+}
+
 fn transformed(ray: &Ray, object_from_world: &glam::DAffine3) -> Ray {
-    if *object_from_world == glam::DAffine3::IDENTITY {
-        return *ray;
-    }
     Ray {
         origin: object_from_world.transform_point3(ray.origin),
         direction: object_from_world.transform_vector3(ray.direction),

@@ -32,6 +32,20 @@ impl Aabb {
         }
     }
 
+    /// What both boxes contain; empty where they are apart.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
+    /// Whether the boxes have a point in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
     /// Edge lengths.
     pub fn size(&self) -> Vec3 {
         self.max - self.min

@@ -157,8 +157,13 @@ impl BoxTree {
 
     /// The leaves: groups of items near each other, in order along the curve.
     pub fn groups(&self) -> impl Iterator<Item = &[u32]> {
+        self.leaves().map(|(_, items)| items)
+    }
+
+    /// [`BoxTree::groups`] with the boxes around them.
+    pub fn leaves(&self) -> impl Iterator<Item = (&DAabb, &[u32])> {
         let leaves = self.nodes.iter().filter(|node| node.count > 0);
-        leaves.map(|node| leaf_items(&self.order, node))
+        leaves.map(|node| (&node.bounds, leaf_items(&self.order, node)))
     }
 
     /// Memory held, in bytes.

@@ -10,6 +10,8 @@ pub struct Ball;
 
 impl Primitive for Ball {
     const COLUMNS: usize = 1;
+    const BETA_TURNS: bool = false;
+    const DIAGONAL: &'static [usize] = &[0];
 
     #[inline(always)]
     fn transform<N: Number>(columns: &[N], d: [N; 3]) -> [N; 3] {

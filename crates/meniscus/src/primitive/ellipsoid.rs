@@ -97,6 +97,8 @@ impl Ellipsoid {
 
 impl Primitive for Ellipsoid {
     const COLUMNS: usize = 6;
+    const BETA_TURNS: bool = true;
+    const DIAGONAL: &'static [usize] = &[0, 3, 5];
 
     #[inline(always)]
     fn transform<N: Number>(a: &[N], d: [N; 3]) -> [N; 3] {

@@ -16,6 +16,12 @@ pub trait Primitive: Copy + Send + Sync + 'static {
     /// f32 columns that describe the shape: 1 for a ball, 6 for an ellipsoid.
     const COLUMNS: usize;
 
+    /// Whether β along a line depends on the line's direction.
+    const BETA_TURNS: bool;
+
+    /// The columns on A's diagonal.
+    const DIAGONAL: &'static [usize];
+
     /// A·d.
     fn transform<N: Number>(columns: &[N], d: [N; 3]) -> [N; 3];
 

@@ -110,7 +110,8 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
     };
     let measured = bench.run()?;
     let particles = loaded.particles();
-    let structure_bytes = loaded.structure_bytes();
+    let structure_bytes = measured.structure_bytes;
+    let refinement_secs = measured.refinement_secs / engine.threads as f64;
     let rays = measured.counters.rays.max(1) as f64;
     let report = BenchReport {
         engine: engine.frame.engine.name(),
@@ -119,7 +120,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         threads: engine.threads,
         repeats: args.repeats,
         particles,
-        build_secs: passes::median(&mut build_secs),
+        build_secs: passes::median(&mut build_secs) + refinement_secs,
         structure_bytes,
         bytes_per_particle: structure_bytes as f64 / particles.max(1) as f64,
         primary: measured.primary,

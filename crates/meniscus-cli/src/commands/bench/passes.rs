@@ -48,6 +48,10 @@ pub(crate) struct Measured {
     pub shuffled: PassFigures,
     /// Work of one primary pass.
     pub counters: Counters,
+    /// Memory of the structures after a frame with shadows, in bytes.
+    pub structure_bytes: usize,
+    /// Time that threads spent on refining structures for that frame, summed over them.
+    pub refinement_secs: f64,
 }
 
 /// What to measure.
@@ -120,6 +124,9 @@ impl Bench<'_> {
         };
         let (shadow, ..) = self.pass(1, &lit, shadow_ray, blocked)?;
 
+        let structure_bytes = self.frame.structure_bytes();
+        let refinement_secs = self.frame.refinement_secs();
+
         let hemisphere_ray = |start: &Start| {
             let pixel = [start.pixel % width, start.pixel / width];
             let u = PixelSampler::new(pixel, 0, SEED).next_2d();
@@ -135,6 +142,8 @@ impl Bench<'_> {
             hemisphere,
             shuffled,
             counters,
+            structure_bytes,
+            refinement_secs,
         })
     }
 

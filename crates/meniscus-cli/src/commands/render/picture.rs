@@ -178,7 +178,7 @@ impl FrameWork<'_> {
             render_secs: rendered.seconds,
             write_secs,
             total_secs,
-            structure_bytes: loaded.structure_bytes(),
+            structure_bytes: loaded.frame.structure_bytes(),
             peak_rss_bytes: peak_rss_bytes(),
             rays: RayStats {
                 primary: rays.primary,

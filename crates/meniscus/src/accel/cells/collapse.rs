@@ -4,19 +4,18 @@ use super::build::BinaryNode;
 use super::layout::{LEAF, Node};
 use crate::math::aabb::Aabb;
 
-/// Eight-wide nodes, root first, from a binary tree. `part_offsets[p]` is the first block of part p
-/// in the joined array; boxes are stored grown by `pad`.
-pub(super) fn collapse(root: &BinaryNode, part_offsets: &[u32], pad: f32) -> Vec<Node> {
+/// Eight-wide nodes, root first, from a binary tree; boxes are stored grown by `pad`.
+pub(super) fn collapse(root: &BinaryNode, pad: f32) -> Vec<Node> {
     let mut nodes = vec![Node::EMPTY];
     match root {
-        BinaryNode::Split { .. } => fill(root, 0, &mut nodes, part_offsets, pad),
-        BinaryNode::Leaf { .. } => place(root, 0, 0, &mut nodes, part_offsets, pad),
+        BinaryNode::Split { .. } => fill(root, 0, &mut nodes, pad),
+        BinaryNode::Leaf { .. } => place(root, 0, 0, &mut nodes, pad),
     }
     nodes
 }
 
 /// Makes node `index` of a split: opens the largest child until eight are there.
-fn fill(split: &BinaryNode, index: usize, nodes: &mut Vec<Node>, offsets: &[u32], pad: f32) {
+fn fill(split: &BinaryNode, index: usize, nodes: &mut Vec<Node>, pad: f32) {
     let mut children: Vec<&BinaryNode> = vec![split];
     while children.len() < 8 {
         let widest = children
@@ -34,7 +33,7 @@ fn fill(split: &BinaryNode, index: usize, nodes: &mut Vec<Node>, offsets: &[u32]
         }
     }
     for (slot, child) in children.into_iter().enumerate() {
-        place(child, index, slot, nodes, offsets, pad);
+        place(child, index, slot, nodes, pad);
     }
 }
 
@@ -54,20 +53,13 @@ fn part_slot(before: &mut [[u8; 8]; 4], slot: usize, upper: usize, axis: usize) 
     }
 }
 
-fn place(
-    child: &BinaryNode,
-    parent: usize,
-    slot: usize,
-    nodes: &mut Vec<Node>,
-    offsets: &[u32],
-    pad: f32,
-) {
+fn place(child: &BinaryNode, parent: usize, slot: usize, nodes: &mut Vec<Node>, pad: f32) {
     let reference = match child {
-        BinaryNode::Leaf { part, block, .. } => LEAF | (offsets[*part as usize] + block),
+        BinaryNode::Leaf { block, .. } => LEAF | block,
         BinaryNode::Split { .. } => {
             let index = nodes.len();
             nodes.push(Node::EMPTY);
-            fill(child, index, nodes, offsets, pad);
+            fill(child, index, nodes, pad);
             index as u32
         }
     };

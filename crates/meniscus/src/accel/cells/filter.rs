@@ -5,7 +5,8 @@
 //! In a box smaller than the supports F at the centre, its gradient and a bound of its second
 //! derivative bound F far better.
 
-use super::layout::LANES;
+use super::layout::{Columns, LANES};
+use crate::field::BlobField;
 use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
 use crate::math::number::Number;
@@ -15,15 +16,14 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, u32x16};
 use glam::Vec3;
 
-/// The shape's columns come after x, y and z.
-const SHAPE_AT: usize = 3;
-
-/// A list of blobs as columns: x, y, z, shape…, weight, and their indices. Every column is padded to
-/// whole chunks with blobs that reach nothing.
+/// A list of blobs as columns: x, y, z, shape…, weight (as far as they vary), and their indices. Every
+/// column is padded to whole chunks with blobs that reach nothing.
 #[derive(Debug, Default, Clone)]
 pub(super) struct BlobList {
     /// Blobs in the list; columns are longer.
     pub(super) count: usize,
+    /// Which columns there are.
+    pub(super) stored: Columns,
     /// `columns[k]` holds column k, `count` rounded up to [`LANES`] long plus one spare chunk.
     pub(super) columns: Vec<Vec<f32>>,
     /// Indices into the field.
@@ -31,11 +31,12 @@ pub(super) struct BlobList {
 }
 
 impl BlobList {
-    /// Empties the list and makes room for `capacity` blobs of `columns` columns.
-    pub(super) fn reset(&mut self, columns: usize, capacity: usize) {
+    /// Empties the list and makes room for `capacity` blobs.
+    pub(super) fn reset<P: Primitive>(&mut self, stored: Columns, capacity: usize) {
         let padded = capacity.next_multiple_of(LANES) + LANES;
         self.count = 0;
-        self.columns.resize_with(columns, Vec::new);
+        self.stored = stored;
+        self.columns.resize_with(stored.count::<P>(), Vec::new);
         for column in &mut self.columns {
             if column.len() < padded {
                 column.resize(padded, 0.0);
@@ -46,30 +47,64 @@ impl BlobList {
         }
     }
 
+    /// Replaces the list by `blobs` of `field`.
+    pub(super) fn fill<P: Primitive>(&mut self, field: &BlobField, stored: Columns, blobs: &[u32]) {
+        self.reset::<P>(stored, blobs.len());
+        self.count = blobs.len();
+        for (row, &blob) in blobs.iter().enumerate() {
+            let blob = blob as usize;
+            for k in 0..3 {
+                self.columns[k][row] = field.centers[blob][k];
+            }
+            if stored.shape.is_none() {
+                let mut shape = [0.0; 6];
+                P::pack(&field.shapes, blob, &mut shape[..P::COLUMNS]);
+                for k in 0..P::COLUMNS {
+                    self.columns[Columns::SHAPE + k][row] = shape[k];
+                }
+            }
+            if stored.weight.is_none() {
+                self.columns[stored.weight_at::<P>()][row] = field.weights[blob];
+            }
+        }
+        self.indices[..blobs.len()].copy_from_slice(blobs);
+        self.pad::<P>();
+    }
+
     /// Gives the lanes after the last blob values that no box reaches.
-    fn pad(&mut self) {
+    pub(super) fn pad<P: Primitive>(&mut self) {
         let end = self.count.next_multiple_of(LANES);
         for (k, column) in self.columns.iter_mut().enumerate() {
-            // Far away in x with weight 0; the rest finite so that no NaN arises.
-            let value = if k == 0 { 1e15 } else { 0.0 };
+            let value = if k == 0 { self.stored.nowhere } else { 0.0 };
             column[self.count..end].fill(value);
         }
-        self.columns[SHAPE_AT][self.count..end].fill(1.0);
+        if self.stored.shape.is_none() {
+            for k in P::DIAGONAL {
+                let narrow = 8.0 / self.stored.nowhere;
+                self.columns[Columns::SHAPE + k][self.count..end].fill(narrow);
+            }
+        }
         self.indices[self.count..end].fill(u32::MAX);
     }
 
-    /// Appends one blob; call [`BlobList::pad`] through [`BlobList::finish`] afterwards.
-    pub(super) fn push(&mut self, values: &[f32], index: u32) {
-        for (column, value) in self.columns.iter_mut().zip(values) {
-            column[self.count] = *value;
+    /// The largest value of `of` over the shapes' columns; 0 of an empty list.
+    pub(super) fn largest_of_shapes<P: Primitive>(&self, of: impl Fn(&[f32]) -> f32) -> f32 {
+        if let Some(constant) = &self.stored.shape {
+            return if self.count > 0 {
+                of(&constant[..P::COLUMNS])
+            } else {
+                0.0
+            };
         }
-        self.indices[self.count] = index;
-        self.count += 1;
-    }
-
-    /// Completes a list made with [`BlobList::push`].
-    pub(super) fn finish(&mut self) {
-        self.pad();
+        (0..self.count)
+            .map(|i| {
+                let mut shape = [0.0; 6];
+                for k in 0..P::COLUMNS {
+                    shape[k] = self.columns[Columns::SHAPE + k][i];
+                }
+                of(&shape[..P::COLUMNS])
+            })
+            .fold(0.0, f32::max)
     }
 }
 
@@ -82,8 +117,36 @@ pub(super) struct FieldBounds {
 
 /// Sixteen numbers of column `k`.
 #[inline(always)]
-fn lanes_at<S: Simd>(simd: S, columns: &[Vec<f32>], k: usize, at: usize) -> f32x16<S> {
-    f32x16::from_slice(simd, &columns[k][at..at + LANES])
+fn lanes_at<S: Simd>(simd: S, list: &BlobList, k: usize, at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &list.columns[k][at..at + LANES])
+}
+
+/// The shape of sixteen blobs.
+#[inline(always)]
+fn shape_at<S: Simd, P: Primitive>(simd: S, list: &BlobList, at: usize) -> [f32x16<S>; 6] {
+    let mut shape = [f32x16::splat(simd, 0.0); 6];
+    match &list.stored.shape {
+        Some(constant) => {
+            for k in 0..P::COLUMNS {
+                shape[k] = f32x16::splat(simd, constant[k]);
+            }
+        }
+        None => {
+            for k in 0..P::COLUMNS {
+                shape[k] = lanes_at(simd, list, Columns::SHAPE + k, at);
+            }
+        }
+    }
+    shape
+}
+
+/// The weights of sixteen blobs.
+#[inline(always)]
+fn weight_at<S: Simd, P: Primitive>(simd: S, list: &BlobList, at: usize) -> f32x16<S> {
+    match list.stored.weight {
+        Some(constant) => f32x16::splat(simd, constant),
+        None => lanes_at(simd, list, list.stored.weight_at::<P>(), at),
+    }
 }
 
 struct BoxLanes<S: Simd> {
@@ -134,26 +197,25 @@ impl<S: Simd> Sums<S> {
         &mut self,
         simd: S,
         place: &BoxLanes<S>,
-        columns: &[Vec<f32>],
+        list: &BlobList,
         at: usize,
         close: bool,
     ) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
-        let mut shape = [zero; 6];
+        let shape = shape_at::<S, P>(simd, list, at);
         let mut abs_shape = [zero; 6];
         for k in 0..P::COLUMNS {
-            shape[k] = lanes_at(simd, columns, SHAPE_AT + k, at);
             abs_shape[k] = shape[k].abs();
         }
         let shape = &shape[..P::COLUMNS];
-        let weight = lanes_at(simd, columns, SHAPE_AT + P::COLUMNS, at);
+        let weight = weight_at::<S, P>(simd, list, at);
         let positive = weight.max(zero);
         let negative = weight.min(zero);
         let y = P::transform(
             shape,
             xyz(
                 #[inline(always)]
-                |k| place.center[k] - lanes_at(simd, columns, k, at),
+                |k| place.center[k] - lanes_at(simd, list, k, at),
             ),
         );
         let e = P::transform(&abs_shape[..P::COLUMNS], place.half);
@@ -235,7 +297,7 @@ pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
             let place = BoxLanes::new(simd, center, half);
             let mut sums = Sums::new(simd);
             for at in (0..list.count).step_by(LANES) {
-                sums.add::<K, P>(simd, &place, &list.columns, at, true);
+                sums.add::<K, P>(simd, &place, list, at, true);
             }
             sums.bounds(half, true)
         },
@@ -256,19 +318,16 @@ pub(super) fn field_value<S: Simd, K: KernelShape, P: Primitive>(
             let point: [f32x16<S>; 3] = splat3(simd, point.to_array());
             let mut sum = zero;
             for at in (0..list.count).step_by(LANES) {
-                let mut shape = [zero; 6];
-                for k in 0..P::COLUMNS {
-                    shape[k] = lanes_at(simd, &list.columns, SHAPE_AT + k, at);
-                }
+                let shape = shape_at::<S, P>(simd, list, at);
                 let y = P::transform(
                     &shape[..P::COLUMNS],
                     xyz(
                         #[inline(always)]
-                        |k| point[k] - lanes_at(simd, &list.columns, k, at),
+                        |k| point[k] - lanes_at(simd, list, k, at),
                     ),
                 );
                 let g = (dot(y, y) * -1.0 + 1.0).max(zero);
-                let weight = lanes_at(simd, &list.columns, SHAPE_AT + P::COLUMNS, at);
+                let weight = weight_at::<S, P>(simd, list, at);
                 sum = Number::mul_add(weight, K::of_g(g), sum);
             }
             sum.reduce_sum()
@@ -287,8 +346,8 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
     close: bool,
     to: &mut BlobList,
 ) -> FieldBounds {
-    let column_count = SHAPE_AT + P::COLUMNS + 1;
-    to.reset(column_count, from.count);
+    let column_count = from.stored.count::<P>();
+    to.reset::<P>(from.stored, from.count);
     let result = simd.vectorize(
         #[inline(always)]
         || {
@@ -298,7 +357,7 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
             let mut sums = Sums::new(simd);
             let mut count = 0;
             for at in (0..from.count).step_by(LANES) {
-                let qmin = sums.add::<K, P>(simd, &place, &from.columns, at, close);
+                let qmin = sums.add::<K, P>(simd, &place, from, at, close);
                 let reached = qmin.simd_lt(one);
                 let bits = reached.to_bitmask();
                 if bits == 0 {
@@ -306,7 +365,7 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
                 }
                 let end = count + LANES;
                 for k in 0..column_count {
-                    lanes_at(simd, &from.columns, k, at)
+                    lanes_at(simd, from, k, at)
                         .compress(reached)
                         .store_slice(&mut to.columns[k][count..end]);
                 }
@@ -319,6 +378,6 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
             sums.bounds(half, close)
         },
     );
-    to.pad();
+    to.pad::<P>();
     result
 }

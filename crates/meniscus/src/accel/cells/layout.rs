@@ -2,7 +2,12 @@
 //!
 //! A leaf is one header block followed by chunks of [`LANES`] blobs in structure-of-arrays form:
 //! x, y, z relative to the leaf's centre, the shape's columns, the weight, the blob's index. Without
-//! the re-centring f32 is too coarse for a million particles.
+//! the re-centring f32 is too coarse for a million particles. Columns that are the same for all blobs
+//! of the field ([`Columns`]) are not stored.
+
+use crate::field::BlobField;
+use crate::math::aabb::Aabb;
+use crate::primitive::Primitive;
 
 /// Blobs per chunk, and numbers per block.
 pub const LANES: usize = 16;
@@ -87,9 +92,59 @@ impl LeafHeader {
     }
 }
 
-/// Blocks per chunk of blobs whose shape takes `shape_columns` columns.
-pub const fn blocks_per_chunk(shape_columns: usize) -> usize {
-    3 + shape_columns + 2
+/// Which columns of blobs vary, and the values of those that do not.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Columns {
+    /// The shape of every blob, if they are all alike.
+    pub shape: Option<[f32; 6]>,
+    /// The weight of every blob, if they are all alike.
+    pub weight: Option<f32>,
+    /// x of lanes without a blob: beyond everything, so that nothing reaches them.
+    pub nowhere: f32,
+}
+
+impl Columns {
+    /// The first of the shape's columns, behind x, y and z.
+    pub const SHAPE: usize = 3;
+
+    /// Those of a field of at least one blob, all within `bounds`.
+    pub fn of<P: Primitive>(field: &BlobField, bounds: &Aabb) -> Self {
+        let shape = |i: usize| {
+            let mut columns = [0.0; 6];
+            P::pack(&field.shapes, i, &mut columns[..P::COLUMNS]);
+            columns
+        };
+        let (first_shape, first_weight) = (shape(0), field.weights[0]);
+        Self {
+            shape: (1..field.len())
+                .all(|i| shape(i) == first_shape)
+                .then_some(first_shape),
+            weight: field
+                .weights
+                .iter()
+                .all(|&weight| weight == first_weight)
+                .then_some(first_weight),
+            nowhere: 4.0 * bounds.min.abs().max(bounds.max.abs()).max_element(),
+        }
+    }
+
+    /// The weights' column, or where it would be.
+    #[inline(always)]
+    pub fn weight_at<P: Primitive>(&self) -> usize {
+        Self::SHAPE + if self.shape.is_none() { P::COLUMNS } else { 0 }
+    }
+
+    /// Stored columns without the index: x, y, z, shape, weight.
+    #[inline(always)]
+    pub fn count<P: Primitive>(&self) -> usize {
+        self.weight_at::<P>() + usize::from(self.weight.is_none())
+    }
+
+    /// Blocks per chunk: one per column and one of indices, the last.
+    #[inline(always)]
+    pub fn blocks_per_chunk<P: Primitive>(&self) -> usize {
+        self.count::<P>() + 1
+    }
 }
 
 /// Cuts a packed array into pieces of at most [`PIECE_BYTES`]; element `i` is element

@@ -1,8 +1,8 @@
 //! Finishes a leaf: proves it solid if it is, shaves faces that hold no surface, packs its blobs.
 
-use super::build::Context;
+use super::build::BuildContext;
 use super::filter::{BlobList, field_bounds, filter};
-use super::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
+use super::layout::{Block, Columns, LANES, LeafHeader};
 use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
@@ -19,13 +19,13 @@ const FINEST_PART: f32 = 64.0;
 const MARGIN_PARTS: f32 = 512.0;
 
 /// Returns the leaf's trimmed box and its header block, or `None` when the cell is proven to hold no
-/// surface. `buffers` are scratch.
+/// surface. `kept` is scratch.
 pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
-    context: &Context,
+    context: &BuildContext,
     cell: Aabb,
     list: &BlobList,
-    buffers: &mut [BlobList; 2],
+    kept: &mut BlobList,
     blocks: &mut Vec<Block>,
 ) -> Option<(Aabb, u32)> {
     if octants_are_settled::<S, K, P>(simd, context, cell, list) {
@@ -44,7 +44,6 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
             }
         }
     }
-    let kept = &mut buffers[0];
     let bounds = filter::<S, K, P>(simd, list, trimmed.padded(context.pad), true, kept);
     if kept.count == 0 || context.settled(bounds) {
         return None;
@@ -57,7 +56,7 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
 /// Whether all eight octants are proven free of surface.
 fn octants_are_settled<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
-    context: &Context,
+    context: &BuildContext,
     cell: Aabb,
     list: &BlobList,
 ) -> bool {
@@ -114,13 +113,7 @@ fn fine_beta<P: Primitive>(list: &BlobList, size: f32) -> f32 {
     // |A|² ≥ β along every ray. A coordinate's rounding, 2⁻²⁴ of the leaf's size, moves q by twice
     // itself times √β, which is to stay near 10⁻⁵.
     let limit = (FINEST_PART / size).powi(2);
-    let steepest = (0..list.count)
-        .map(|i| {
-            (0..P::COLUMNS)
-                .map(|k| list.columns[3 + k][i].powi(2))
-                .sum()
-        })
-        .fold(0.0, f32::max);
+    let steepest = list.largest_of_shapes::<P>(|a| a.iter().map(|a| a * a).sum());
     if steepest < limit {
         f32::INFINITY
     } else {
@@ -136,12 +129,11 @@ fn pack<P: Primitive>(list: &BlobList, bounds: Aabb, pad: f32, blocks: &mut Vec<
         fine_beta: fine_beta::<P>(list, bounds.size().max_element().max(MARGIN_PARTS * pad)),
     };
     blocks.push(header.to_block());
-    let shape_columns = P::COLUMNS;
     for at in (0..list.count).step_by(LANES) {
-        for k in 0..blocks_per_chunk(shape_columns) - 1 {
+        for k in 0..list.stored.count::<P>() {
             let mut block = Block::ZERO;
             block.0.copy_from_slice(&list.columns[k][at..at + LANES]);
-            if k < 3 {
+            if k < Columns::SHAPE {
                 for value in &mut block.0 {
                     // Both are f32 and close together: the difference loses at most half an ulp.
                     *value -= center[k];

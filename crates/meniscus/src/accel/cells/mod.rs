@@ -3,8 +3,13 @@
 //! Boxes proven to hold no surface (upper bound of the field below the threshold, or lower bound
 //! above it) are dropped while the tree is built. Each leaf copies the blobs that reach it. Leaves
 //! are disjoint, so the first one along a ray that reports a crossing ends the ray.
+//!
+//! Only coarse cells are made at once. What lies below one is refined when the first ray
+//! comes there, once and to the same bits whoever comes first: a picture sees a part of the surface,
+//! and nothing of what is deep inside.
 
 mod build;
+mod coarse;
 mod collapse;
 mod filter;
 pub mod layout;
@@ -15,57 +20,163 @@ pub use build::BuildRule;
 
 use crate::field::BlobField;
 use crate::kernel::KernelShape;
-use crate::math::aabb::Aabb;
-use crate::math::simd::Level;
+use crate::math::aabb::{Aabb, DAabb};
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
-use crate::{at_level, with_kernel};
-use build::{Context, Part, build_parallel};
+use build::{BuildContext, Builder};
+use coarse::CoarseBox;
 use fearless_simd::Simd;
 use filter::BlobList;
-use layout::{Block, LEAF, Node};
-use rayon::prelude::*;
+use layout::{Block, Columns, Node};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 /// The structure of engine `cells`.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub struct Cells {
-    /// Eight-wide nodes, root first; empty when the field has no surface.
+    /// Eight-wide nodes over the coarse cells, root first; empty when the field has no surface. Leaf
+    /// references are indices of coarse cells.
+    pub nodes: Vec<Node>,
+    coarse: Vec<CoarseCell>,
+    /// Local box around all cells.
+    pub bounds: Option<Aabb>,
+    context: BuildContext,
+    refinement_nanos: AtomicU64,
+}
+
+/// A coarse cell and what lies below it once a ray has come.
+#[derive(Debug)]
+struct CoarseCell {
+    place: CoarseBox,
+    part: OnceLock<Option<Box<Part>>>,
+}
+
+/// The refined inside of a coarse cell.
+#[derive(Debug, PartialEq)]
+pub struct Part {
+    /// Eight-wide nodes, root first. Leaf references are indices of header blocks.
     pub nodes: Vec<Node>,
     /// Leaves; see [`layout`].
     pub blocks: Vec<Block>,
-    /// Local box around all leaves.
-    pub bounds: Option<Aabb>,
-    /// Most blobs in a leaf.
-    pub largest_leaf: usize,
-    /// Number of leaves.
-    pub leaves: usize,
-    /// Whether some leaves hold blobs too small for f32.
-    pub has_fine_blobs: bool,
 }
 
 impl Cells {
-    /// Builds the cells of `field` with the leaf rule that suits it.
-    pub fn build(field: &BlobField, level: Level) -> Self {
-        Self::build_with(field, level, default_rule(field))
+    /// Builds the coarse cells of `field` with the leaf rule that suits it.
+    pub fn build(field: &BlobField) -> Self {
+        Self::build_with(field, default_rule(field))
     }
 
-    /// Builds the cells of `field` with a stated leaf rule.
-    pub fn build_with(field: &BlobField, level: Level, rule: BuildRule) -> Self {
+    /// Builds the coarse cells of `field` with a stated leaf rule.
+    pub fn build_with(field: &BlobField, rule: BuildRule) -> Self {
         if field.is_empty() {
             return Self::default();
         }
-        match &field.shapes {
-            Shapes::Balls(_) => {
-                with_kernel!(field.kernel, K => at_level!(level, simd => build::<_, K, Ball>(simd, field, rule)))
-            }
-            Shapes::Ellipsoids(_) => {
-                with_kernel!(field.kernel, K => at_level!(level, simd => build::<_, K, Ellipsoid>(simd, field, rule)))
-            }
+        let bounds = field.bounds();
+        let context = BuildContext {
+            threshold: field.threshold,
+            // The slab test's rounding grows with the distance travelled within the box.
+            pad: 1e-6
+                * bounds
+                    .size()
+                    .length()
+                    .max(bounds.center().abs().max_element()),
+            rule,
+            stored: match field.shapes {
+                Shapes::Balls(_) => Columns::of::<Ball>(field, &bounds),
+                Shapes::Ellipsoids(_) => Columns::of::<Ellipsoid>(field, &bounds),
+            },
+        };
+        let mut boxes = Vec::new();
+        let Some(root) = coarse::split(field, &context, bounds, &mut boxes) else {
+            return Self::default();
+        };
+        let pad = 0.5 * context.pad;
+        Self {
+            nodes: collapse::collapse(&root, pad),
+            coarse: boxes
+                .into_iter()
+                .map(|place| CoarseCell {
+                    place,
+                    part: OnceLock::new(),
+                })
+                .collect(),
+            bounds: Some(root.bounds().padded(pad)),
+            context,
+            refinement_nanos: AtomicU64::new(0),
         }
     }
 
-    /// Memory held.
+    /// Which columns the leaves store.
+    #[inline(always)]
+    pub fn stored(&self) -> &Columns {
+        &self.context.stored
+    }
+
+    /// What lies below coarse cell `index` of the structure of `field`; refined if this is the first
+    /// question. `None`: no surface.
+    #[inline(always)]
+    pub fn part<S: Simd, K: KernelShape, P: Primitive>(
+        &self,
+        simd: S,
+        field: &BlobField,
+        index: u32,
+    ) -> Option<&Part> {
+        let part = &self.coarse[index as usize].part;
+        let part = match part.get() {
+            Some(part) => part,
+            None => part.get_or_init(
+                #[cold]
+                || self.refined::<S, K, P>(simd, field, index),
+            ),
+        };
+        part.as_deref()
+    }
+
+    #[inline(never)]
+    fn refined<S: Simd, K: KernelShape, P: Primitive>(
+        &self,
+        simd: S,
+        field: &BlobField,
+        index: u32,
+    ) -> Option<Box<Part>> {
+        let start = Instant::now();
+        let CoarseBox { bounds, depth } = self.coarse[index as usize].place;
+        let list = blobs_reaching::<P>(field, self.context.stored, bounds.padded(self.context.pad));
+        let builder = Builder::<K, P>::new(&self.context);
+        let part = builder
+            .build(simd, bounds, &list, depth)
+            .map(|(root, blocks)| {
+                Box::new(Part {
+                    nodes: collapse::collapse(&root, 0.5 * self.context.pad),
+                    blocks,
+                })
+            });
+        let nanos = start.elapsed().as_nanos() as u64;
+        self.refinement_nanos.fetch_add(nanos, Ordering::Relaxed);
+        part
+    }
+
+    /// Time that threads have spent on refinement so far, summed over them.
+    pub fn refinement_secs(&self) -> f64 {
+        self.refinement_nanos.load(Ordering::Relaxed) as f64 * 1e-9
+    }
+
+    /// Memory held now.
     pub fn structure_bytes(&self) -> usize {
-        self.nodes.len() * size_of::<Node>() + self.blocks.len() * size_of::<Block>()
+        let parts = self
+            .coarse
+            .iter()
+            .filter_map(|cell| cell.part.get()?.as_deref());
+        let refined: usize = parts
+            .map(|part| {
+                size_of::<Part>()
+                    + part.nodes.capacity() * size_of::<Node>()
+                    + part.blocks.capacity() * size_of::<Block>()
+            })
+            .sum();
+        self.nodes.capacity() * size_of::<Node>()
+            + self.coarse.capacity() * size_of::<CoarseCell>()
+            + refined
     }
 }
 
@@ -100,84 +211,16 @@ fn default_rule(field: &BlobField) -> BuildRule {
     }
 }
 
-fn build<S: Simd, K: KernelShape, P: Primitive>(
-    simd: S,
-    field: &BlobField,
-    rule: BuildRule,
-) -> Cells {
-    let cell = field.bounds();
-    let context = Context {
-        threshold: field.threshold,
-        // The slab test's rounding grows with the distance travelled within the box.
-        pad: 1e-6 * cell.size().length().max(cell.center().abs().max_element()),
-        rule,
+/// The blobs whose support may reach `region`, with some that do not.
+fn blobs_reaching<P: Primitive>(field: &BlobField, stored: Columns, region: Aabb) -> BlobList {
+    let region = DAabb {
+        min: region.min.as_dvec3(),
+        max: region.max.as_dvec3(),
     };
-    let list = all_blobs::<P>(field);
-    let tree = build_parallel::<S, K, P>(simd, &context, cell, &list, 0, 0);
-    drop(list);
-    let Some(root) = tree.root else {
-        return Cells::default();
-    };
-    let (blocks, offsets) = join_parts(tree.parts);
-    let pad = 0.5 * context.pad;
-    let nodes = collapse::collapse(&root, &offsets, pad);
-    let leaf_counts = nodes.iter().flat_map(|node| {
-        (0..8)
-            .filter(|&slot| {
-                node.bounds[0][slot] <= node.bounds[3][slot] && node.children[slot] & LEAF != 0
-            })
-            .map(|slot| &blocks[(node.children[slot] & !LEAF) as usize])
-    });
-    let (mut leaves, mut largest_leaf, mut has_fine_blobs) = (0, 0, false);
-    for block in leaf_counts {
-        let header = layout::LeafHeader::from_block(block);
-        leaves += 1;
-        largest_leaf = largest_leaf.max(header.count);
-        has_fine_blobs |= header.fine_beta < f32::INFINITY;
-    }
-    Cells {
-        bounds: Some(root.bounds().padded(pad)),
-        nodes,
-        blocks,
-        largest_leaf,
-        leaves,
-        has_fine_blobs,
-    }
-}
-
-fn all_blobs<P: Primitive>(field: &BlobField) -> BlobList {
+    let mut blobs = Vec::new();
+    let tree = field.support_tree();
+    tree.for_each_group_overlapping(&region, |group| blobs.extend_from_slice(group));
     let mut list = BlobList::default();
-    list.reset(3 + P::COLUMNS + 1, field.len());
-    let mut values = [0.0; 10];
-    for i in 0..field.len() {
-        values[..3].copy_from_slice(&field.centers[i]);
-        P::pack(&field.shapes, i, &mut values[3..3 + P::COLUMNS]);
-        values[3 + P::COLUMNS] = field.weights[i];
-        list.push(&values[..3 + P::COLUMNS + 1], i as u32);
-    }
-    list.finish();
+    list.fill::<P>(field, stored, &blobs);
     list
-}
-
-/// One array of all parts' blocks, and where each part begins in it.
-fn join_parts(parts: Vec<Part>) -> (Vec<Block>, Vec<u32>) {
-    let mut offsets = Vec::with_capacity(parts.len());
-    let mut total = 0;
-    for part in &parts {
-        offsets.push(total as u32);
-        total += part.blocks.len();
-    }
-    let mut blocks = vec![Block::ZERO; total];
-    let mut rest = blocks.as_mut_slice();
-    let mut targets = Vec::with_capacity(parts.len());
-    for part in &parts {
-        let (target, behind) = rest.split_at_mut(part.blocks.len());
-        targets.push(target);
-        rest = behind;
-    }
-    targets
-        .into_par_iter()
-        .zip(&parts)
-        .for_each(|(target, part)| target.copy_from_slice(&part.blocks));
-    (blocks, offsets)
 }

@@ -53,13 +53,13 @@ pub(super) fn leaves_of<P: Primitive>(ranges: &[Range<usize>], order: &[u32]) ->
     blocks
 }
 
-/// Fills a leaf with its blobs; returns its box and whether blobs are too small for f32 in it.
+/// Fills a leaf with its blobs; returns its box.
 pub(super) fn fit_leaf<P: Primitive>(
     field: &BlobField,
     typical: f32,
     pad: f32,
     leaf: &mut [Block],
-) -> (Aabb, bool) {
+) -> Aabb {
     let count = LeafHeader::from_block(&leaf[0]).count;
     let (front, indices) = leaf.split_at_mut(4 + P::COLUMNS + 1);
     let indices = &indices[0].0[..count];
@@ -97,21 +97,24 @@ pub(super) fn fit_leaf<P: Primitive>(
         .max(STRETCH_SUPPORTS * typical)
         .max(MARGIN_PARTS * pad);
     let limit = (FINEST_PART / extent).powi(2);
-    let fine = steepest >= limit;
     front[0] = LeafHeader {
         count,
         center: center.to_array(),
-        fine_beta: if fine { limit } else { f32::INFINITY },
+        fine_beta: if steepest >= limit {
+            limit
+        } else {
+            f32::INFINITY
+        },
     }
     .to_block();
-    (bounds, fine)
+    bounds
 }
 
 /// Where lanes without a blob lie: what is there reaches no ray.
 const NOWHERE: [f32; 3] = [1e15; 3];
 
 /// Sets the boxes of all nodes from those of the leaves; returns the box around everything.
-pub(super) fn fit_nodes(nodes: &mut [Node], leaves: &[(Aabb, bool)]) -> Aabb {
+pub(super) fn fit_nodes(nodes: &mut [Node], leaves: &[Aabb]) -> Aabb {
     let mut boxes = vec![Aabb::EMPTY; nodes.len()];
     // Children stand behind their parents.
     for index in (0..nodes.len()).rev() {
@@ -123,7 +126,7 @@ pub(super) fn fit_nodes(nodes: &mut [Node], leaves: &[(Aabb, bool)]) -> Aabb {
                 break;
             }
             let bounds = if reference & LEAF != 0 {
-                leaves[(reference & !LEAF) as usize].0
+                leaves[(reference & !LEAF) as usize]
             } else {
                 boxes[reference as usize]
             };

@@ -43,8 +43,6 @@ pub struct ParticleTree {
     pub bounds: Option<Aabb>,
     /// Number of leaves.
     pub leaves: usize,
-    /// Whether some leaves hold blobs too small for f32.
-    pub has_fine_blobs: bool,
     /// Mean radius of the supports: the length that stretches are measured by.
     pub typical_support: f32,
     /// Where g reaches this, any single blob reaches the threshold: the inner spheres
@@ -111,19 +109,17 @@ impl ParticleTree {
         self.inner_level = inner_level(field);
         let all = field.bounds();
         self.bounds = None;
-        self.has_fine_blobs = false;
         if self.leaves == 0 {
             return;
         }
         // The slab test's rounding grows with the distance travelled within the box.
         let pad = 5e-7 * all.size().length().max(all.center().abs().max_element());
         let typical = self.typical_support;
-        let fitted: Vec<(Aabb, bool)> = self
+        let fitted: Vec<Aabb> = self
             .blocks
             .par_chunks_mut(layout::leaf_blocks::<P>())
             .map(|leaf| fit::fit_leaf::<P>(field, typical, pad, leaf))
             .collect();
-        self.has_fine_blobs = fitted.iter().any(|(_, fine)| *fine);
         self.bounds = Some(fit::fit_nodes(&mut self.nodes, &fitted));
     }
 

@@ -1,6 +1,7 @@
 //! Which blobs of a leaf the ray's segment meets, as parabolas g(s) = g₀ − β(s − c)².
 
-use crate::accel::cells::layout::{Block, LANES, blocks_per_chunk};
+use super::LeafView;
+use crate::accel::cells::layout::{Block, Columns, LANES};
 use crate::intersect::solve::Active;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
@@ -15,32 +16,67 @@ pub(super) fn lanes<S: Simd>(simd: S, chunk: &[Block], k: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &chunk[k].0)
 }
 
+/// The shape of a chunk's blobs.
+#[inline(always)]
+pub(super) fn shape_lanes<S: Simd, P: Primitive>(
+    simd: S,
+    stored: &Columns,
+    chunk: &[Block],
+) -> [f32x16<S>; 6] {
+    let mut shape = [f32x16::splat(simd, 0.0); 6];
+    match &stored.shape {
+        Some(constant) => {
+            for k in 0..P::COLUMNS {
+                shape[k] = f32x16::splat(simd, constant[k]);
+            }
+        }
+        None => {
+            for k in 0..P::COLUMNS {
+                shape[k] = lanes(simd, chunk, Columns::SHAPE + k);
+            }
+        }
+    }
+    shape
+}
+
+/// The weights of a chunk's blobs.
+#[inline(always)]
+pub(super) fn weight_lanes<S: Simd, P: Primitive>(
+    simd: S,
+    stored: &Columns,
+    chunk: &[Block],
+) -> f32x16<S> {
+    match stored.weight {
+        Some(constant) => f32x16::splat(simd, constant),
+        None => lanes(simd, chunk, stored.weight_at::<P>()),
+    }
+}
+
 /// Fills `active` with the blobs that the segment origin + s·direction, s in [0, length], meets and
 /// returns an upper bound of the field on it. Unit direction, leaf-relative origin.
 #[inline(always)]
 pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
-    chunks: &[Block],
+    leaf: &LeafView<'_>,
     origin: [f32; 3],
     direction: [f32; 3],
     length: f32,
     active: &mut Active,
 ) -> f32 {
+    active.reserve(leaf.header.count);
+    let stored = leaf.stored;
     let origin: [f32x16<S>; 3] = splat3(simd, origin);
     let direction: [f32x16<S>; 3] = splat3(simd, direction);
     let length = f32x16::splat(simd, length);
     let zero = f32x16::splat(simd, 0.0);
     let mut upper = zero;
     let mut count = 0;
-    for chunk in chunks.chunks_exact(blocks_per_chunk(P::COLUMNS)) {
+    for chunk in leaf.chunks.chunks_exact(stored.blocks_per_chunk::<P>()) {
         let w = xyz(
             #[inline(always)]
             |k| lanes(simd, chunk, k) - origin[k],
         );
-        let mut shape = [zero; 6];
-        for k in 0..P::COLUMNS {
-            shape[k] = lanes(simd, chunk, 3 + k);
-        }
+        let shape = shape_lanes::<S, P>(simd, stored, chunk);
         let line = P::along(&shape[..P::COLUMNS], w, direction);
         let away = line.c.max(zero).min(length) - line.c;
         let most = line.g0 - line.beta * away * away;
@@ -49,7 +85,7 @@ pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive>(
         if bits == 0 {
             continue;
         }
-        let weight = lanes(simd, chunk, 3 + P::COLUMNS);
+        let weight = weight_lanes::<S, P>(simd, stored, chunk);
         upper = Number::mul_add(weight.max(zero), K::of_g(most.max(zero)), upper);
         let end = count + LANES;
         line.c

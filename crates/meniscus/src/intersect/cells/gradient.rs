@@ -1,7 +1,7 @@
 //! The field's gradient and strongest blob at a point of a leaf.
 
-use super::gather::lanes;
-use crate::accel::cells::layout::{Block, blocks_per_chunk};
+use super::LeafView;
+use super::gather::{lanes, shape_lanes, weight_lanes};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
@@ -14,7 +14,7 @@ use glam::DVec3;
 #[inline(always)]
 pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
-    chunks: &[Block],
+    leaf: &LeafView<'_>,
     point: [f32; 3],
 ) -> (DVec3, u32) {
     let zero = f32x16::splat(simd, 0.0);
@@ -22,18 +22,17 @@ pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
     let mut sum = [zero; 3];
     let mut best = f32x16::splat(simd, -1.0);
     let mut best_index = u32x16::splat(simd, 0);
-    for chunk in chunks.chunks_exact(blocks_per_chunk(P::COLUMNS)) {
+    let stored = leaf.stored;
+    let per_chunk = stored.blocks_per_chunk::<P>();
+    for chunk in leaf.chunks.chunks_exact(per_chunk) {
         let d = xyz(
             #[inline(always)]
             |k| point[k] - lanes(simd, chunk, k),
         );
-        let mut shape = [zero; 6];
-        for k in 0..P::COLUMNS {
-            shape[k] = lanes(simd, chunk, 3 + k);
-        }
+        let shape = shape_lanes::<S, P>(simd, stored, chunk);
         let y = P::transform(&shape[..P::COLUMNS], d);
         let g = (dot(y, y) * -1.0 + 1.0).max(zero);
-        let weight = lanes(simd, chunk, 3 + P::COLUMNS);
+        let weight = weight_lanes::<S, P>(simd, stored, chunk);
         // ∂g/∂x = −2 Aᵀy, so −∇F sums w·k′(g)·2·Aᵀy.
         let scale = weight * K::slope(g) * 2.0;
         let pull = P::transform_transposed(&shape[..P::COLUMNS], y);
@@ -43,7 +42,7 @@ pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
         let strength = (weight * K::of_g(g)).abs();
         let stronger = strength.simd_gt(best);
         best = stronger.select(strength, best);
-        best_index = stronger.select(lanes(simd, chunk, 4 + P::COLUMNS).to_bits(), best_index);
+        best_index = stronger.select(lanes(simd, chunk, per_chunk - 1).to_bits(), best_index);
     }
     let outward = DVec3::new(
         f64::from(sum[0].reduce_sum()),

@@ -9,9 +9,9 @@ use super::solve::{
     Active, LocalRay, Pending, Question, Search, local_ray, meets_fine_blob, specialised,
 };
 use super::{BlobHit, Scratch, sweep};
-use crate::accel::cells::Cells;
-use crate::accel::cells::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
+use crate::accel::cells::layout::{Block, Columns, LANES, LeafHeader};
 use crate::accel::cells::traverse::{Stack, visit_leaves};
+use crate::accel::cells::{Cells, Part};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
@@ -28,12 +28,18 @@ pub struct CellsScratch {
     active: Active,
     pending: Pending,
     packet: PacketScratch,
+    /// Leaves with blobs too small for f32 that single rays have visited so far.
+    pub(super) fine_leaves: u64,
 }
 
 /// What a search ended with, in the engine's own terms.
-enum Found {
+enum Found<'a> {
     /// The first crossing.
-    Crossing { t: f64, block: u32, entering: bool },
+    Crossing {
+        t: f64,
+        leaf: LeafView<'a>,
+        entering: bool,
+    },
     /// The ray meets blobs too small for f32: engine `sweep` has to look.
     BeyondF32,
 }
@@ -56,24 +62,21 @@ pub fn closest_many(
         return;
     }
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        let (local, outcomes) = trace_packet(blobs, cells, rays, false, scratch);
-        for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-            *hit = match (outcomes[lane], &local[lane]) {
-                (
-                    Outcome::Hit {
-                        t,
-                        outward,
-                        strongest,
-                    },
-                    Some(local),
-                ) => Some(BlobHit {
-                    t: local.parameter(ray, t),
+        let outcomes = packet::trace(blobs, cells, rays, false, scratch);
+        for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
+            *hit = match outcome {
+                Outcome::Miss => None,
+                Outcome::Hit {
+                    t,
+                    outward,
+                    strongest,
+                } => Some(BlobHit {
+                    t,
                     outward: glam::Vec3::from_array(outward).as_dvec3(),
                     strongest,
                     entering: true,
                 }),
-                (Outcome::Alone, Some(local)) => closest_alone(blobs, cells, ray, local, scratch),
-                _ => None,
+                Outcome::Alone => closest_alone(blobs, cells, ray, scratch),
             };
         }
     }
@@ -94,54 +97,34 @@ pub fn occluded_many(
         return;
     }
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        let (local, outcomes) = trace_packet(blobs, cells, rays, true, scratch);
-        for (lane, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-            *hit = match (outcomes[lane], &local[lane]) {
-                (Outcome::Hit { .. }, _) => true,
-                (Outcome::Alone, Some(local)) => occluded_alone(blobs, cells, ray, local, scratch),
-                _ => false,
+        let outcomes = packet::trace(blobs, cells, rays, true, scratch);
+        for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
+            *hit = match outcome {
+                Outcome::Miss => false,
+                Outcome::Hit { .. } => true,
+                Outcome::Alone => occluded_alone(blobs, cells, ray, scratch),
             };
         }
     }
 }
 
-fn trace_packet(
-    blobs: &Blobs,
-    cells: &Cells,
-    rays: &[Ray],
-    any: bool,
-    scratch: &mut Scratch,
-) -> ([Option<LocalRay>; LANES], [Outcome; LANES]) {
-    let mut local = [None; LANES];
-    for (local, ray) in local.iter_mut().zip(rays) {
-        if ray.is_traceable() {
-            scratch.counters.rays += 1;
-            *local = local_ray(blobs, cells.bounds, ray);
-        }
-    }
-    let outcomes = packet::trace(blobs, cells, &local, any, scratch);
-    (local, outcomes)
-}
-
 /// First crossing of a traceable object-space ray.
 pub fn closest(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Option<BlobHit> {
     scratch.counters.rays += 1;
-    let local = local_ray(blobs, cells.bounds, ray)?;
-    closest_alone(blobs, cells, ray, &local, scratch)
+    closest_alone(blobs, cells, ray, scratch)
 }
 
 fn closest_alone(
     blobs: &Blobs,
     cells: &Cells,
     ray: &Ray,
-    local: &LocalRay,
     scratch: &mut Scratch,
 ) -> Option<BlobHit> {
-    match find(blobs, cells, ray, local, Question::First, scratch)? {
+    match find(blobs, cells, ray, Question::First, scratch)? {
         Found::BeyondF32 => sweep::first(blobs, blobs.exact_tree(), ray, scratch),
-        Found::Crossing { t, block, entering } => {
+        Found::Crossing { t, leaf, entering } => {
             let at = ray.at(t) - blobs.field.origin;
-            let (outward, strongest) = gradient_at(blobs, cells, block, at);
+            let (outward, strongest) = gradient_at(blobs, &leaf, at);
             Some(BlobHit {
                 t,
                 outward,
@@ -155,35 +138,27 @@ fn closest_alone(
 /// Whether a traceable object-space ray has a crossing.
 pub fn occluded(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
     scratch.counters.rays += 1;
-    local_ray(blobs, cells.bounds, ray)
-        .is_some_and(|local| occluded_alone(blobs, cells, ray, &local, scratch))
+    occluded_alone(blobs, cells, ray, scratch)
 }
 
-fn occluded_alone(
-    blobs: &Blobs,
-    cells: &Cells,
-    ray: &Ray,
-    local: &LocalRay,
-    scratch: &mut Scratch,
-) -> bool {
-    match find(blobs, cells, ray, local, Question::Any, scratch) {
+fn occluded_alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
+    match find(blobs, cells, ray, Question::Any, scratch) {
         None => false,
         Some(Found::Crossing { .. }) => true,
         Some(Found::BeyondF32) => sweep::first(blobs, blobs.exact_tree(), ray, scratch).is_some(),
     }
 }
 
-fn find(
-    blobs: &Blobs,
-    cells: &Cells,
+fn find<'a>(
+    blobs: &'a Blobs,
+    cells: &'a Cells,
     ray: &Ray,
-    local: &LocalRay,
     question: Question,
     scratch: &mut Scratch,
-) -> Option<Found> {
-    scratch.cells.active.reserve(cells.largest_leaf);
+) -> Option<Found<'a>> {
+    let local = local_ray(blobs, cells.bounds, ray)?;
     let mut found = specialised!(blobs, simd, K, P => {
-        find_in_cells::<_, K, P>(simd, blobs, cells, local, question, scratch)
+        find_in_cells::<_, K, P>(simd, blobs, cells, &local, question, scratch)
     })?;
     if let Found::Crossing { t, .. } = &mut found {
         *t = local.parameter(ray, *t);
@@ -192,19 +167,20 @@ fn find(
 }
 
 #[inline(always)]
-fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
+fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
-    blobs: &Blobs,
-    cells: &Cells,
+    blobs: &'a Blobs,
+    cells: &'a Cells,
     ray: &LocalRay,
     question: Question,
     scratch: &mut Scratch,
-) -> Option<Found> {
+) -> Option<Found<'a>> {
     let slab_ray = ray.slab_ray();
     let CellsScratch {
         stack,
         active,
         pending,
+        fine_leaves,
         ..
     } = &mut scratch.cells;
     let counters = &mut scratch.counters;
@@ -221,7 +197,9 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                 &slab_ray,
                 stack,
                 #[inline(always)]
-                |block, near, far| {
+                |coarse| cells.part::<S, K, P>(simd, &blobs.field, coarse),
+                #[inline(always)]
+                |part, block, near, far| {
                     counters.leaves += 1;
                     let near_f64 = f64::from(near);
                     if first_leaf && !search.on_stated_side && search.is_past_start(near_f64) {
@@ -230,21 +208,20 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                             || (blobs.field.side(ray.origin) == Side::Inside) == ray.inside;
                     }
                     first_leaf = false;
-                    let header = LeafHeader::from_block(&cells.blocks[block as usize]);
-                    counters.blob_evaluations += header.count as u64;
-                    let center = glam::Vec3::from_array(header.center).as_dvec3();
-                    let origin = (ray.origin + ray.direction * near_f64 - center).as_vec3();
-                    let chunks = leaf_chunks::<P>(&cells.blocks, block, header.count);
-                    if header.fine_beta < f32::INFINITY
-                        && meets_fine::<P>(blobs, chunks, &header, ray)
-                    {
-                        found = Some(Found::BeyondF32);
-                        return true;
+                    let leaf = LeafView::new::<P>(cells, part, block);
+                    counters.blob_evaluations += leaf.header.count as u64;
+                    let origin = (ray.origin + ray.direction * near_f64 - leaf.center()).as_vec3();
+                    if leaf.header.fine_beta < f32::INFINITY {
+                        *fine_leaves += 1;
+                        if meets_fine::<P>(blobs, &leaf, ray) {
+                            found = Some(Found::BeyondF32);
+                            return true;
+                        }
                     }
                     let length = far - near;
                     let reach = gather::<S, K, P>(
                         simd,
-                        chunks,
+                        &leaf,
                         origin.to_array(),
                         direction,
                         length,
@@ -256,7 +233,7 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
                     let crossing = search.first_on::<S, K>(simd, active, pending, near_f64, length);
                     found = crossing.map(|t| Found::Crossing {
                         t,
-                        block,
+                        leaf,
                         entering: !ray.inside,
                     });
                     found.is_some()
@@ -268,45 +245,57 @@ fn find_in_cells<S: Simd, K: KernelShape, P: Primitive>(
     found
 }
 
-/// The blobs of the leaf at `block`, chunk after chunk.
-#[inline(always)]
-fn leaf_chunks<P: Primitive>(blocks: &[Block], block: u32, count: usize) -> &[Block] {
-    let first = block as usize + 1;
-    &blocks[first..first + count.div_ceil(LANES) * blocks_per_chunk(P::COLUMNS)]
+/// One leaf of a part.
+#[derive(Debug, Clone, Copy)]
+struct LeafView<'a> {
+    header: LeafHeader,
+    /// The blobs, chunk after chunk.
+    chunks: &'a [Block],
+    stored: &'a Columns,
+}
+
+impl<'a> LeafView<'a> {
+    /// The leaf at `block`.
+    #[inline(always)]
+    fn new<P: Primitive>(cells: &'a Cells, part: &'a Part, block: u32) -> Self {
+        let header = LeafHeader::from_block(&part.blocks[block as usize]);
+        let stored = cells.stored();
+        let first = block as usize + 1;
+        let blocks = header.count.div_ceil(LANES) * stored.blocks_per_chunk::<P>();
+        Self {
+            header,
+            chunks: &part.blocks[first..first + blocks],
+            stored,
+        }
+    }
+
+    fn center(&self) -> DVec3 {
+        glam::Vec3::from_array(self.header.center).as_dvec3()
+    }
+
+    /// Indices of the field's blobs.
+    fn blobs<P: Primitive>(&self) -> impl Iterator<Item = usize> {
+        let per_chunk = self.stored.blocks_per_chunk::<P>();
+        self.chunks
+            .chunks_exact(per_chunk)
+            .flat_map(move |chunk| chunk[per_chunk - 1].0.map(|index| index.to_bits() as usize))
+            .take(self.header.count)
+    }
 }
 
 /// Whether the ray meets a blob that is too small for f32 in the leaf's coordinates.
 #[cold]
-fn meets_fine<P: Primitive>(
-    blobs: &Blobs,
-    chunks: &[Block],
-    header: &LeafHeader,
-    ray: &LocalRay,
-) -> bool {
+fn meets_fine<P: Primitive>(blobs: &Blobs, leaf: &LeafView<'_>, ray: &LocalRay) -> bool {
     let field = &blobs.field;
-    let indices = chunks
-        .chunks_exact(blocks_per_chunk(P::COLUMNS))
-        .flat_map(|chunk| {
-            chunk[4 + P::COLUMNS]
-                .0
-                .map(|index| index.to_bits() as usize)
-        });
-    indices
-        .take(header.count)
-        .any(|i| meets_fine_blob(field, i, header.fine_beta, ray))
+    leaf.blobs::<P>()
+        .any(|i| meets_fine_blob(field, i, leaf.header.fine_beta, ray))
 }
 
-/// −∇F and the strongest blob at a local point of the leaf at `block`.
-fn gradient_at(blobs: &Blobs, cells: &Cells, block: u32, at: DVec3) -> (DVec3, u32) {
-    let header = LeafHeader::from_block(&cells.blocks[block as usize]);
-    let center = glam::Vec3::from_array(header.center).as_dvec3();
-    let point = (at - center).as_vec3().to_array();
+/// −∇F and the strongest blob at a local point of a leaf.
+fn gradient_at(blobs: &Blobs, leaf: &LeafView<'_>, at: DVec3) -> (DVec3, u32) {
+    let point = (at - leaf.center()).as_vec3().to_array();
     specialised!(blobs, simd, K, P => simd.vectorize(
         #[inline(always)]
-        || gradient::outward_and_strongest::<_, K, P>(
-            simd,
-            leaf_chunks::<P>(&cells.blocks, block, header.count),
-            point,
-        )
+        || gradient::outward_and_strongest::<_, K, P>(simd, leaf, point)
     ))
 }

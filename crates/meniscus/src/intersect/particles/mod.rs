@@ -38,6 +38,8 @@ pub struct ParticlesScratch {
     active: Active,
     pending: Pending,
     near_hit: NearHit,
+    /// Leaves with blobs too small for f32 visited so far.
+    pub(super) fine_leaves: u64,
 }
 
 /// What a search ended with, in the engine's own terms.
@@ -141,6 +143,7 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
         pool,
         active,
         pending,
+        fine_leaves,
         ..
     } = &mut scratch.particles;
     let counters = &mut scratch.counters;
@@ -184,8 +187,11 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
             let header = LeafHeader::from_block(&tree.blocks[first]);
             counters.blob_evaluations += header.count as u64;
             let chunk = &tree.blocks[first + 1..][..columns::<P>()];
-            if header.fine_beta < f32::INFINITY && meets_fine(blobs, chunk, &header, ray) {
-                return Some(Found::BeyondF32);
+            if header.fine_beta < f32::INFINITY {
+                *fine_leaves += 1;
+                if meets_fine(blobs, chunk, &header, ray) {
+                    return Some(Found::BeyondF32);
+                }
             }
             let center = glam::Vec3::from_array(header.center).as_dvec3();
             let origin = (ray.origin + ray.direction * f64::from(near) - center).as_vec3();

@@ -3,9 +3,8 @@
 
 use super::step::{self, Stepped};
 use super::{Job, Lanes, Outcome};
-use crate::accel::cells::Cells;
-use crate::accel::cells::layout::{Block, LANES, LeafHeader, blocks_per_chunk};
-use crate::intersect::cells::leaf_chunks;
+use crate::accel::cells::layout::{Block, Columns, LANES};
+use crate::intersect::cells::LeafView;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::math::simd::xyz;
@@ -21,6 +20,8 @@ pub(super) struct ActiveBlob {
     pub(super) beta: [f32; LANES],
     pub(super) g0: [f32; LANES],
     pub(super) weight: f32,
+    /// β where it is the same for every ray; `beta` is not set then.
+    pub(super) common_beta: f32,
     /// Which blob of the leaf.
     slot: u32,
 }
@@ -30,36 +31,36 @@ pub(super) struct ActiveBlob {
 pub(super) struct ActiveLanes {
     blobs: Vec<ActiveBlob>,
     count: usize,
+    /// Places of the leaf's blobs near the packet.
+    kept: Vec<u32>,
 }
 
 impl ActiveLanes {
-    /// Makes room for every blob of a leaf of `largest` blobs and one more.
-    pub(super) fn reserve(&mut self, largest: usize) {
+    /// Makes room for every blob of a leaf of `count` blobs and one more.
+    #[inline(always)]
+    fn reserve(&mut self, count: usize) {
+        if self.blobs.len() <= count {
+            self.grow(count + 1);
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self, len: usize) {
         const NONE: ActiveBlob = ActiveBlob {
             c: [0.0; LANES],
             beta: [0.0; LANES],
             g0: [0.0; LANES],
             weight: 0.0,
+            common_beta: 0.0,
             slot: 0,
         };
-        if self.blobs.len() <= largest {
-            self.blobs.resize(largest + 1, NONE);
-        }
+        self.blobs.resize(len, NONE);
     }
 
     #[inline(always)]
     pub(super) fn blobs(&self) -> &[ActiveBlob] {
         &self.blobs[..self.count]
     }
-}
-
-/// One leaf.
-pub(super) struct Leaf<'a> {
-    chunks: &'a [Block],
-    center: [f32; 3],
-    pub(super) count: usize,
-    /// Whether some blobs are too small for f32 here.
-    has_fine_blobs: bool,
 }
 
 /// Bounds over the packet's segments in a leaf.
@@ -70,40 +71,40 @@ struct Gathered<S: Simd> {
     rise: f32x16<S>,
 }
 
-impl<'a> Leaf<'a> {
-    #[inline(always)]
-    pub(super) fn new<P: Primitive>(cells: &'a Cells, block: u32) -> Self {
-        let header = LeafHeader::from_block(&cells.blocks[block as usize]);
-        Self {
-            chunks: leaf_chunks::<P>(&cells.blocks, block, header.count),
-            center: header.center,
-            count: header.count,
-            has_fine_blobs: header.fine_beta < f32::INFINITY,
-        }
-    }
-
+impl LeafView<'_> {
     /// Centre, shape and weight of blob `lane` of a chunk.
     #[inline(always)]
-    fn blob<P: Primitive>(chunk: &[Block], lane: usize) -> ([f32; 3], [f32; 6], f32) {
+    fn blob<P: Primitive>(&self, chunk: &[Block], lane: usize) -> ([f32; 3], [f32; 6], f32) {
         let lane = lane % LANES;
-        let chunk = &chunk[..blocks_per_chunk(P::COLUMNS)];
-        let mut shape = [0.0; 6];
-        for k in 0..P::COLUMNS {
-            shape[k] = chunk[3 + k].0[lane];
-        }
+        let chunk = &chunk[..self.stored.blocks_per_chunk::<P>()];
+        let shape = match self.stored.shape {
+            Some(constant) => constant,
+            None => {
+                let mut shape = [0.0; 6];
+                for k in 0..P::COLUMNS {
+                    shape[k] = chunk[Columns::SHAPE + k].0[lane];
+                }
+                shape
+            }
+        };
+        let weight = match self.stored.weight {
+            Some(constant) => constant,
+            None => chunk[self.stored.weight_at::<P>()].0[lane],
+        };
         let center = [chunk[0].0[lane], chunk[1].0[lane], chunk[2].0[lane]];
-        (center, shape, chunk[3 + P::COLUMNS].0[lane])
+        (center, shape, weight)
     }
 
     /// Where the lanes' segments begin, relative to the leaf's centre.
     #[inline(always)]
-    fn origin<S: Simd>(&self, simd: S, lanes: &Lanes<S>, near: f32x16<S>) -> [f32x16<S>; 3] {
+    fn origin<S: Simd>(&self, simd: S, lanes: &Lanes<'_, S>, near: f32x16<S>) -> [f32x16<S>; 3] {
         let near: [f32; LANES] = near.to_array();
         xyz(
             #[inline(always)]
             |axis| {
-                let (origin, direction) = (&lanes.origin_f64[axis], &lanes.direction_f64[axis]);
-                let center = f64::from(self.center[axis]);
+                let origin = &lanes.prepared.origin[axis];
+                let direction = &lanes.prepared.direction[axis];
+                let center = f64::from(self.header.center[axis]);
                 let mut relative = [0.0; LANES];
                 for lane in 0..LANES {
                     let along = direction[lane] * f64::from(near[lane]);
@@ -121,13 +122,13 @@ impl<'a> Leaf<'a> {
         &self,
         simd: S,
         job: &Job,
-        lanes: &mut Lanes<S>,
+        lanes: &mut Lanes<'_, S>,
         active: &mut ActiveLanes,
         (mask, near, far): (u32, f32x16<S>, f32x16<S>),
         seen_leaf: &mut u32,
         outcomes: &mut [Outcome; LANES],
     ) -> u32 {
-        if self.has_fine_blobs {
+        if self.header.fine_beta < f32::INFINITY {
             set(outcomes, mask, Outcome::Alone);
             return mask;
         }
@@ -138,7 +139,8 @@ impl<'a> Leaf<'a> {
         let away = near
             .simd_gt(f32x16::splat(simd, job.start_margin))
             .to_bitmask() as u32;
-        let doubtful = mask & away & !*seen_leaf & !lanes.on_stated_side & !lanes.side_is_proven;
+        let doubtful =
+            mask & away & !*seen_leaf & !lanes.on_stated_side & !lanes.prepared.side_is_proven;
         *seen_leaf |= mask;
         let reached = gathered
             .upper
@@ -151,13 +153,13 @@ impl<'a> Leaf<'a> {
         if todo != 0 {
             // Elsewhere a field above the threshold at entry means that the surface lies at this seam.
             let at_start = todo
-                & !lanes.side_is_proven
-                & !(lanes.on_stated_side & (away | !lanes.starts_at_t_min));
+                & !lanes.prepared.side_is_proven
+                & !(lanes.on_stated_side & (away | !lanes.prepared.starts_at_t_min));
             let Stepped {
                 crossed,
                 unclear,
                 at,
-            } = step::first_crossings::<S, K>(
+            } = step::first_crossings::<S, K, P>(
                 simd,
                 job,
                 active,
@@ -172,8 +174,8 @@ impl<'a> Leaf<'a> {
             let at_own_start = (near + at)
                 .simd_lt(f32x16::splat(simd, job.near_start))
                 .to_bitmask() as u32
-                & lanes.starts_at_t_min
-                & !lanes.side_is_proven;
+                & lanes.prepared.starts_at_t_min
+                & !lanes.prepared.side_is_proven;
             let unclear = unclear | crossed & at_own_start;
             let crossed = crossed & !unclear;
             alone |= unclear;
@@ -215,49 +217,53 @@ impl<'a> Leaf<'a> {
     fn gather<S: Simd, K: KernelShape, P: Primitive>(
         &self,
         simd: S,
-        lanes: &Lanes<S>,
+        lanes: &Lanes<'_, S>,
         (mask, origin, length): (u32, [f32x16<S>; 3], f32x16<S>),
         active: &mut ActiveLanes,
     ) -> Gathered<S> {
         let zero = f32x16::splat(simd, 0.0);
         let (mut upper, mut rise) = (zero, zero);
         let mut count = 0;
-        let mut first = 0;
-        for chunk in self.chunks.chunks_exact(blocks_per_chunk(P::COLUMNS)) {
-            for lane in 0..LANES.min(self.count - first) {
-                let (center, columns, weight) = Self::blob::<P>(chunk, lane);
-                let w = xyz(
-                    #[inline(always)]
-                    |k| f32x16::splat(simd, center[k]) - origin[k],
-                );
-                let mut shape = [zero; 6];
-                for k in 0..P::COLUMNS {
-                    shape[k] = f32x16::splat(simd, columns[k]);
-                }
-                let line = P::along(&shape[..P::COLUMNS], w, lanes.direction);
-                let away = line.c.max(zero).min(length) - line.c;
-                let most = (line.g0 - line.beta * away * away).max(zero);
-                let meets = most.simd_gt(zero);
-                let g0 = meets.select(line.g0, zero);
-                // No branch that depends on the blob: half of them meet the packet, and which is
-                // anybody's guess.
-                let positive = f32x16::splat(simd, weight.max(0.0));
-                upper = Number::mul_add(K::of_g(most), positive, upper);
-                let bound = line.beta * K::convex_bound(g0);
-                rise = Number::mul_add(bound, positive, rise);
-                if weight < 0.0 {
-                    let bound = line.beta * K::concave_bound(g0);
-                    rise = Number::mul_add(bound, f32x16::splat(simd, -weight), rise);
-                }
-                let blob = &mut active.blobs[count];
-                line.c.store_slice(&mut blob.c);
-                line.beta.store_slice(&mut blob.beta);
-                line.g0.store_slice(&mut blob.g0);
-                blob.weight = weight;
-                blob.slot = (first + lane) as u32;
-                count += usize::from(meets.to_bitmask() as u32 & mask != 0);
+        let per_chunk = self.stored.blocks_per_chunk::<P>();
+        active.reserve(self.header.count);
+        let kept = self.cull::<S, P>(simd, lanes, (mask, origin, length), &mut active.kept);
+        for &slot in &active.kept[..kept] {
+            let chunk = &self.chunks[slot as usize / LANES * per_chunk..];
+            let (center, columns, weight) = self.blob::<P>(chunk, slot as usize);
+            let w = xyz(
+                #[inline(always)]
+                |k| f32x16::splat(simd, center[k]) - origin[k],
+            );
+            let mut shape = [zero; 6];
+            for k in 0..P::COLUMNS {
+                shape[k] = f32x16::splat(simd, columns[k]);
             }
-            first += LANES;
+            let line = P::along(&shape[..P::COLUMNS], w, lanes.direction);
+            let away = line.c.max(zero).min(length) - line.c;
+            let most = (line.g0 - line.beta * away * away).max(zero);
+            let meets = most.simd_gt(zero);
+            let g0 = meets.select(line.g0, zero);
+            // No branch that depends on the blob: half of them meet the packet, and which is
+            // anybody's guess.
+            let positive = f32x16::splat(simd, weight.max(0.0));
+            upper = Number::mul_add(K::of_g(most), positive, upper);
+            let bound = line.beta * K::convex_bound(g0);
+            rise = Number::mul_add(bound, positive, rise);
+            if weight < 0.0 {
+                let bound = line.beta * K::concave_bound(g0);
+                rise = Number::mul_add(bound, f32x16::splat(simd, -weight), rise);
+            }
+            let blob = &mut active.blobs[count];
+            line.c.store_slice(&mut blob.c);
+            if P::BETA_TURNS {
+                line.beta.store_slice(&mut blob.beta);
+            } else {
+                blob.common_beta = columns[0] * columns[0];
+            }
+            line.g0.store_slice(&mut blob.g0);
+            blob.weight = weight;
+            blob.slot = slot;
+            count += usize::from(meets.to_bitmask() as u32 & mask != 0);
         }
         active.count = count;
         Gathered { upper, rise }
@@ -275,10 +281,11 @@ impl<'a> Leaf<'a> {
         let mut sum = [zero; 3];
         let mut best = f32x16::splat(simd, -1.0);
         let mut best_index = u32x16::splat(simd, 0);
+        let per_chunk = self.stored.blocks_per_chunk::<P>();
         for blob in active.blobs() {
             let slot = blob.slot as usize;
-            let chunk = &self.chunks[slot / LANES * blocks_per_chunk(P::COLUMNS)..];
-            let (center, columns, weight) = Self::blob::<P>(chunk, slot);
+            let chunk = &self.chunks[slot / LANES * per_chunk..];
+            let (center, columns, weight) = self.blob::<P>(chunk, slot);
             let d = xyz(
                 #[inline(always)]
                 |k| point[k] - center[k],
@@ -299,7 +306,7 @@ impl<'a> Leaf<'a> {
             let stronger = strength.simd_gt(best);
             best = stronger.select(strength, best);
             best_index = stronger.select(
-                u32x16::splat(simd, chunk[4 + P::COLUMNS].0[slot % LANES].to_bits()),
+                u32x16::splat(simd, chunk[per_chunk - 1].0[slot % LANES].to_bits()),
                 best_index,
             );
         }

@@ -7,6 +7,7 @@ use super::Job;
 use super::leaf::ActiveLanes;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
+use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
@@ -33,7 +34,7 @@ pub(super) struct Stepped<S: Simd> {
 /// First crossings on [0, length] of the lanes of `todo`, which travel outside; those of `at_start`
 /// may be at their own start. `rise` bounds |φ″|, `extent` the coordinates.
 #[inline(always)]
-pub(super) fn first_crossings<S: Simd, K: KernelShape>(
+pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     job: &Job,
     active: &ActiveLanes,
@@ -49,7 +50,7 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape>(
     let mut crossings = zero;
     let (mut crossed, mut unclear, mut rest) = (0, 0, todo);
     for step in 0..MOST_STEPS {
-        let (phi, slope) = sample::<S, K>(simd, job, active, at);
+        let (phi, slope) = sample::<S, K, P>(simd, job, active, at);
         let root = (slope * slope - rise * phi * 2.0).max(zero).sqrt();
         let inwards = slope.simd_gt(zero);
         // The larger root of the parabola, in the form that does not cancel.
@@ -72,12 +73,18 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape>(
             delta = phi.simd_ge(zero).select(lowest, ahead);
         }
         let next = at + delta;
+        let bend = rise * delta;
         let close = delta.simd_le(tolerance).to_bitmask() as u32;
         // Steep enough for the crossing to be there: φ reaches 0 before it can bend back.
-        let steep = slope.simd_gt(rise * delta * 4.0).to_bitmask() as u32;
+        let steep = slope.simd_gt(bend * 4.0).to_bitmask() as u32;
         unclear |= rest & close & !beyond & !steep;
         rest &= !unclear;
-        let found = rest & (beyond | close);
+        // Where φ′ > 8Kδ the crossing lies at most 6Kδ²/φ′ behind the next step (−φ″ ≤ 2K).
+        let in_leaf = next.simd_le(length).to_bitmask() as u32;
+        let room = if job.any { length - next } else { tolerance };
+        let near = (bend * delta * 6.0).simd_le(room * slope).to_bitmask() as u32;
+        let sure = in_leaf & near & slope.simd_gt(bend * 8.0).to_bitmask() as u32;
+        let found = rest & (beyond | close | sure);
         if found != 0 {
             let place = phi.simd_ge(zero).select(at, next).min(length);
             let lanes = mask32x16::from_bitmask(simd, u64::from(found));
@@ -85,7 +92,7 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape>(
             crossed |= found;
             rest &= !found;
         }
-        rest &= next.simd_le(length).to_bitmask() as u32;
+        rest &= in_leaf;
         if rest == 0 {
             break;
         }
@@ -100,7 +107,7 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape>(
 
 /// φ and φ′ at one point per lane.
 #[inline(always)]
-fn sample<S: Simd, K: KernelShape>(
+fn sample<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     job: &Job,
     active: &ActiveLanes,
@@ -110,7 +117,12 @@ fn sample<S: Simd, K: KernelShape>(
     let (mut sum, mut slope) = (zero, zero);
     for blob in active.blobs() {
         let away = f32x16::from_slice(simd, &blob.c) - at;
-        let pull = away * f32x16::from_slice(simd, &blob.beta);
+        let beta = if P::BETA_TURNS {
+            f32x16::from_slice(simd, &blob.beta)
+        } else {
+            f32x16::splat(simd, blob.common_beta)
+        };
+        let pull = away * beta;
         let g = (f32x16::from_slice(simd, &blob.g0) - pull * away).max(zero);
         let weight = f32x16::splat(simd, blob.weight);
         sum = Number::mul_add(K::of_g(g), weight, sum);

@@ -1,109 +1,232 @@
 //! Visits the leaves that a packet pierces, nearest first.
+//!
+//! Inner nodes are tested for the whole packet at once, with lanes for the eight children: from the
+//! extreme origins and inverse directions follow bounds of where any of its rays enters and leaves a
+//! box. Only the boxes of leaves are tested ray by ray.
 
 use super::Lanes;
-use crate::accel::cells::Cells;
-use crate::accel::cells::layout::{LANES, LEAF, Node};
-use crate::accel::cells::traverse::STACK;
+use crate::accel::cells::layout::{LEAF, Node};
+use crate::accel::cells::traverse::{Octant, STACK, TOP};
+use crate::accel::cells::{Cells, Part};
 use crate::math::simd::xyz;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x8, f32x16, mask32x16};
 
-/// Subtrees and leaves to visit: which lanes pierce them, and their ranges in them.
-#[derive(Debug)]
-pub(super) struct PacketStack {
-    references: Box<[(u32, u32); STACK]>,
-    ranges: Box<[[[f32; LANES]; 2]; STACK]>,
+/// A subtree or leaf to visit.
+#[derive(Debug, Clone, Copy)]
+struct Visit {
+    reference: u32,
+    /// The coarse cell that it lies in, or [`TOP`].
+    coarse: u32,
+    /// Its parent and its place there.
+    parent: u32,
+    slot: u32,
 }
+
+/// Subtrees and leaves to visit.
+#[derive(Debug)]
+pub(super) struct PacketStack(Box<[Visit; STACK]>);
 
 impl Default for PacketStack {
     fn default() -> Self {
-        Self {
-            references: Box::new([(0, 0); STACK]),
-            ranges: vec![[[0.0; LANES]; 2]; STACK]
-                .into_boxed_slice()
-                .try_into()
-                .expect("made with this length"),
+        const ROOT: Visit = Visit {
+            reference: 0,
+            coarse: TOP,
+            parent: 0,
+            slot: 0,
+        };
+        Self(Box::new([ROOT; STACK]))
+    }
+}
+
+/// The smallest value in the lanes of `mask`.
+#[inline(always)]
+pub(super) fn least<S: Simd>(simd: S, mask: mask32x16<S>, values: f32x16<S>) -> f32 {
+    let none = f32x16::splat(simd, f32::INFINITY);
+    mask.select(values, none).reduce_min()
+}
+
+/// The largest value in the lanes of `mask`.
+#[inline(always)]
+pub(super) fn most<S: Simd>(simd: S, mask: mask32x16<S>, values: f32x16<S>) -> f32 {
+    let none = f32x16::splat(simd, f32::NEG_INFINITY);
+    mask.select(values, none).reduce_max()
+}
+
+/// What a packet's rays have in common: along each axis the extremes of their origins and inverse
+/// directions, eight times each.
+struct Beam<S: Simd> {
+    /// The origins nearest to and farthest from the faces ahead.
+    origin_ahead: [f32x8<S>; 3],
+    origin_behind: [f32x8<S>; 3],
+    inverse_low: [f32x8<S>; 3],
+    inverse_high: [f32x8<S>; 3],
+    length: f32x8<S>,
+}
+
+impl<S: Simd> Beam<S> {
+    #[inline(always)]
+    fn new(simd: S, lanes: &Lanes<'_, S>, present: u32) -> Self {
+        let mask = mask32x16::from_bitmask(simd, u64::from(present));
+        let zero = f32x8::splat(simd, 0.0);
+        let mut beam = Self {
+            origin_ahead: [zero; 3],
+            origin_behind: [zero; 3],
+            inverse_low: [zero; 3],
+            inverse_high: [zero; 3],
+            length: f32x8::splat(simd, most(simd, mask, lanes.length)),
+        };
+        for axis in 0..3 {
+            let ends = (
+                least(simd, mask, lanes.origin[axis]),
+                most(simd, mask, lanes.origin[axis]),
+            );
+            let (behind, ahead) = if lanes.negative[axis] {
+                (ends.1, ends.0)
+            } else {
+                ends
+            };
+            beam.origin_ahead[axis] = f32x8::splat(simd, ahead);
+            beam.origin_behind[axis] = f32x8::splat(simd, behind);
+            beam.inverse_low[axis] = f32x8::splat(simd, least(simd, mask, lanes.inverse[axis]));
+            beam.inverse_high[axis] = f32x8::splat(simd, most(simd, mask, lanes.inverse[axis]));
+        }
+        beam
+    }
+
+    /// The children that some ray of the beam may pierce.
+    #[inline(always)]
+    fn pierced(&self, simd: S, node: &Node, octant: &Octant) -> u32 {
+        let near = xyz(
+            #[inline(always)]
+            |axis| {
+                let faces = f32x8::from_slice(simd, &node.bounds[octant.near_row[axis]]);
+                let way = faces - self.origin_ahead[axis];
+                (way * self.inverse_low[axis]).min(way * self.inverse_high[axis])
+            },
+        );
+        let far = xyz(
+            #[inline(always)]
+            |axis| {
+                let faces = f32x8::from_slice(simd, &node.bounds[octant.far_row[axis]]);
+                let way = faces - self.origin_behind[axis];
+                (way * self.inverse_low[axis]).max(way * self.inverse_high[axis])
+            },
+        );
+        let zero = f32x8::splat(simd, 0.0);
+        let near = near[0].max(near[1]).max(near[2].max(zero));
+        let far = far[0].min(far[1]).min(far[2].min(self.length));
+        near.simd_le(far).to_bitmask() as u32
+    }
+}
+
+/// Calls `leaf(lanes, part, block, mask, t near, t far)` for the leaves that lanes of `alive` pierce,
+/// from near to far; it returns the lanes that are done. `open` gives the inside of a coarse cell.
+/// Returns the nodes visited, once per lane that was still under way.
+#[inline(always)]
+pub(super) fn visit_leaves<'a, S: Simd>(
+    simd: S,
+    cells: &'a Cells,
+    lanes: &mut Lanes<'_, S>,
+    mut alive: u32,
+    stack: &mut PacketStack,
+    mut open: impl FnMut(u32) -> Option<&'a Part>,
+    mut leaf: impl FnMut(&mut Lanes<'_, S>, &'a Part, u32, u32, f32x16<S>, f32x16<S>) -> u32,
+) -> u64 {
+    let visits = &mut stack.0;
+    let octant = Octant::new(lanes.negative);
+    let beam = Beam::new(simd, lanes, alive);
+    let mut nodes_visited = 0;
+    let mut nodes: &[Node] = &cells.nodes;
+    let mut inside: Option<&'a Part> = None;
+    let mut depth = 0;
+    let mut visit = Visit {
+        reference: 0,
+        coarse: TOP,
+        parent: 0,
+        slot: 0,
+    };
+    loop {
+        let mut is_leaf = visit.reference & LEAF != 0;
+        if is_leaf {
+            let index = visit.reference & !LEAF;
+            match inside {
+                Some(part) => {
+                    let node = &nodes[visit.parent as usize];
+                    let (near, far) = range_in(simd, lanes, node, &octant, visit.slot as usize);
+                    let mask = near.simd_le(far).to_bitmask() as u32 & alive;
+                    if mask != 0 {
+                        alive &= !leaf(lanes, part, index, mask, near, far);
+                        if alive == 0 {
+                            return nodes_visited;
+                        }
+                    }
+                }
+                None => {
+                    if let Some(part) = open(index) {
+                        (inside, nodes) = (Some(part), &part.nodes);
+                        (visit.reference, visit.coarse) = (0, index);
+                        is_leaf = false;
+                    }
+                }
+            }
+        }
+        if !is_leaf {
+            nodes_visited += u64::from(alive.count_ones());
+            let node = &nodes[visit.reference as usize];
+            let pierced = beam.pierced(simd, node, &octant);
+            let mut rest = pierced;
+            while rest != 0 {
+                let slot = rest.trailing_zeros() as usize & 7;
+                rest &= rest - 1;
+                visits[(depth + octant.height(node, pierced, slot)) % STACK] = Visit {
+                    reference: node.children[slot],
+                    coarse: visit.coarse,
+                    parent: visit.reference,
+                    slot: slot as u32,
+                };
+            }
+            depth += pierced.count_ones() as usize;
+        }
+        if depth == 0 {
+            return nodes_visited;
+        }
+        depth -= 1;
+        visit = visits[depth % STACK];
+        if visit.coarse == TOP {
+            (inside, nodes) = (None, &cells.nodes);
         }
     }
 }
 
-/// Calls `leaf(lanes, block, mask, t near, t far)` for the leaves that lanes of `alive` pierce, from
-/// near to far; it returns the lanes that are done. Returns the nodes visited, once per lane.
+/// Where each lane enters and leaves the box of child `slot`.
 #[inline(always)]
-pub(super) fn visit_leaves<S: Simd>(
+fn range_in<S: Simd>(
     simd: S,
-    cells: &Cells,
-    lanes: &mut Lanes<S>,
-    mut alive: u32,
-    stack: &mut PacketStack,
-    mut leaf: impl FnMut(&mut Lanes<S>, u32, u32, f32x16<S>, f32x16<S>) -> u32,
-) -> u64 {
-    let PacketStack { references, ranges } = stack;
-    let near_row = [0, 1, 2].map(|axis| if lanes.negative[axis] { axis + 3 } else { axis });
-    let far_row = [0, 1, 2].map(|axis| if lanes.negative[axis] { axis } else { axis + 3 });
-    let signs = lanes.negative.map(usize::from);
-    let reversed = lanes.negative[2];
-    let row = (signs[0] ^ signs[2]) | (signs[1] ^ signs[2]) << 1;
-    let (start, end) = (f32x16::splat(simd, 0.0), lanes.length);
-    let (origin, inverse) = (lanes.origin, lanes.inverse);
-    references[0] = (0, alive);
-    let mut depth = 1;
-    let mut nodes_visited = 0;
-    while depth > 0 && alive != 0 {
-        depth -= 1;
-        let (reference, mask) = references[depth % STACK];
-        let mask = mask & alive;
-        if mask == 0 {
-            continue;
-        }
-        if reference & LEAF != 0 {
-            let [near, far] = &ranges[depth % STACK];
-            let near = f32x16::from_slice(simd, near);
-            let far = f32x16::from_slice(simd, far);
-            alive &= !leaf(lanes, reference & !LEAF, mask, near, far);
-            continue;
-        }
-        nodes_visited += u64::from(mask.count_ones());
-        let node: &Node = &cells.nodes[reference as usize];
-        let before = &node.before[row];
-        let mut pierced = 0;
-        let mut masks = [0; 8];
-        let mut spans = [[start; 2]; 8];
-        for slot in 0..8 {
-            let near = xyz(
-                #[inline(always)]
-                |axis| {
-                    let face = f32x16::splat(simd, node.bounds[near_row[axis]][slot]);
-                    (face - origin[axis]) * inverse[axis]
-                },
-            );
-            let far = xyz(
-                #[inline(always)]
-                |axis| {
-                    let face = f32x16::splat(simd, node.bounds[far_row[axis]][slot]);
-                    (face - origin[axis]) * inverse[axis]
-                },
-            );
-            let near = near[0].max(near[1]).max(near[2].max(start));
-            let far = far[0].min(far[1]).min(far[2].min(end));
-            let lanes_in = near.simd_le(far).to_bitmask() as u32 & mask;
-            masks[slot] = lanes_in;
-            spans[slot] = [near, far];
-            pierced |= u32::from(lanes_in != 0) << slot;
-        }
-        let count = pierced.count_ones() as usize;
-        let mut rest = pierced;
-        while rest != 0 {
-            let slot = rest.trailing_zeros() as usize & 7;
-            rest &= rest - 1;
-            let rank = (pierced & u32::from(before[slot])).count_ones() as usize;
-            let at = (depth + if reversed { rank } else { count - 1 - rank }) % STACK;
-            references[at] = (node.children[slot], masks[slot]);
-            let [near, far] = &mut ranges[at];
-            spans[slot][0].store_slice(near);
-            spans[slot][1].store_slice(far);
-        }
-        depth += count;
-    }
-    nodes_visited
+    lanes: &Lanes<'_, S>,
+    node: &Node,
+    octant: &Octant,
+    slot: usize,
+) -> (f32x16<S>, f32x16<S>) {
+    let slot = slot % 8;
+    let near = xyz(
+        #[inline(always)]
+        |axis| {
+            let face = f32x16::splat(simd, node.bounds[octant.near_row[axis]][slot]);
+            (face - lanes.origin[axis]) * lanes.inverse[axis]
+        },
+    );
+    let far = xyz(
+        #[inline(always)]
+        |axis| {
+            let face = f32x16::splat(simd, node.bounds[octant.far_row[axis]][slot]);
+            (face - lanes.origin[axis]) * lanes.inverse[axis]
+        },
+    );
+    (
+        near[0]
+            .max(near[1])
+            .max(near[2].max(f32x16::splat(simd, 0.0))),
+        far[0].min(far[1]).min(far[2].min(lanes.length)),
+    )
 }

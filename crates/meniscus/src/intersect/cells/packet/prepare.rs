@@ -1,0 +1,187 @@
+//! Sixteen rays of the caller, clipped against the cells' box in f64 as `LocalRay` is, in arrays that
+//! the compiler turns into lanes.
+
+use crate::accel::cells::Cells;
+use crate::accel::cells::layout::LANES;
+use crate::accel::cells::traverse::TINY_COMPONENT;
+use crate::frame::Blobs;
+use crate::math::ray::{Ray, Side};
+use glam::DVec3;
+
+/// Rays in local coordinates with unit directions, moved to where they can first meet the cells.
+pub(super) struct Prepared {
+    /// Starts of the stretches that are traced, axis by axis.
+    pub(super) origin: [[f64; LANES]; 3],
+    /// Unit directions, axis by axis.
+    pub(super) direction: [[f64; LANES]; 3],
+    /// The same in f32, with their inverses for slab tests.
+    pub(super) direction_f32: [[f32; LANES]; 3],
+    pub(super) inverse: [[f32; LANES]; 3],
+    /// Unit-length parameters of the starts on the callers' rays.
+    t_start: [f64; LANES],
+    /// 1/|direction| of the callers' rays.
+    per_unit: [f64; LANES],
+    /// Lengths of the stretches.
+    pub(super) length: [f32; LANES],
+    /// Rays that can hit anything.
+    pub(super) traceable: u64,
+    /// Lanes whose ray meets the cells' box.
+    pub(super) present: u32,
+    /// Lanes whose ray starts at the caller's t_min.
+    pub(super) starts_at_t_min: u32,
+    /// Lanes whose ray starts inside the surface.
+    pub(super) inside: u32,
+    /// Lanes whose side the field, not the caller, has told.
+    pub(super) side_is_proven: u32,
+}
+
+impl Prepared {
+    /// Prepares up to sixteen rays; `None` where there are no cells.
+    #[inline(always)]
+    pub(super) fn new(blobs: &Blobs, cells: &Cells, rays: &[Ray]) -> Option<Self> {
+        let bounds = cells.bounds?;
+        let mut origin = [[0.0_f64; LANES]; 3];
+        let mut direction = [[1.0_f64; LANES]; 3];
+        let (mut t_min, mut t_max) = ([0.0_f64; LANES], [-1.0_f64; LANES]);
+        let mut traceable = 0;
+        for (lane, ray) in rays.iter().take(LANES).enumerate() {
+            if !ray.is_traceable() {
+                continue;
+            }
+            traceable += 1;
+            for axis in 0..3 {
+                origin[axis][lane] = ray.origin[axis] - blobs.field.origin[axis];
+                direction[axis][lane] = ray.direction[axis];
+            }
+            (t_min[lane], t_max[lane]) = (ray.t_min, ray.t_max);
+        }
+        let mut per_unit = [0.0_f64; LANES];
+        for lane in 0..LANES {
+            let [x, y, z] = [direction[0][lane], direction[1][lane], direction[2][lane]];
+            let length = (x * x + y * y + z * z).sqrt();
+            per_unit[lane] = 1.0 / length;
+            t_min[lane] *= length;
+            t_max[lane] *= length;
+        }
+        let (mut enter, mut leave) = (t_min, t_max);
+        for axis in 0..3 {
+            let (low, high) = (f64::from(bounds.min[axis]), f64::from(bounds.max[axis]));
+            for lane in 0..LANES {
+                let d = direction[axis][lane] * per_unit[lane];
+                direction[axis][lane] = d;
+                // Along an axis with d = 0 these are infinite: both of one sign outside the box.
+                let inverse = 1.0 / d;
+                let to_low = (low - origin[axis][lane]) * inverse;
+                let to_high = (high - origin[axis][lane]) * inverse;
+                let (near, far) = if to_low < to_high {
+                    (to_low, to_high)
+                } else {
+                    (to_high, to_low)
+                };
+                enter[lane] = if near > enter[lane] {
+                    near
+                } else {
+                    enter[lane]
+                };
+                leave[lane] = if far < leave[lane] { far } else { leave[lane] };
+            }
+        }
+        let mut length = [-1.0_f32; LANES];
+        let (mut direction_f32, mut inverse) = ([[0.0_f32; LANES]; 3], [[1.0_f32; LANES]; 3]);
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                origin[axis][lane] += direction[axis][lane] * enter[lane];
+                let d = direction[axis][lane] as f32;
+                direction_f32[axis][lane] = d;
+                let d = if d.abs() < TINY_COMPONENT {
+                    TINY_COMPONENT.copysign(d)
+                } else {
+                    d
+                };
+                inverse[axis][lane] = 1.0 / d;
+            }
+        }
+        let (mut present, mut starts_at_t_min) = (0, 0);
+        for lane in 0..LANES {
+            length[lane] = (leave[lane] - enter[lane]) as f32;
+            let meets = enter[lane] <= leave[lane]
+                && enter[lane].is_finite()
+                && per_unit[lane].is_finite()
+                && per_unit[lane] > 0.0;
+            present |= u32::from(meets) << lane;
+            starts_at_t_min |= u32::from(enter[lane] <= t_min[lane]) << lane;
+        }
+        let mut prepared = Self {
+            origin,
+            direction,
+            direction_f32,
+            inverse,
+            t_start: enter,
+            per_unit,
+            length,
+            traceable,
+            present,
+            starts_at_t_min: starts_at_t_min & present,
+            inside: 0,
+            side_is_proven: 0,
+        };
+        prepared.settle_sides(blobs, rays);
+        Some(prepared)
+    }
+
+    /// On which side the rays start.
+    #[inline(always)]
+    fn settle_sides(&mut self, blobs: &Blobs, rays: &[Ray]) {
+        for (lane, ray) in rays.iter().take(LANES).enumerate() {
+            let bit = 1 << lane;
+            if self.present & bit == 0 {
+                continue;
+            }
+            let at_t_min = self.starts_at_t_min & bit != 0;
+            let inside = match ray.side {
+                Side::Inside => true,
+                Side::Outside => false,
+                // The box holds all surface, so outside it the field lies below the threshold.
+                Side::Unknown => at_t_min && blobs.field.side(self.start(lane)) == Side::Inside,
+            };
+            let proven = ray.side == Side::Unknown || (!at_t_min && !inside);
+            self.inside |= u32::from(inside) << lane;
+            self.side_is_proven |= u32::from(proven) << lane;
+        }
+    }
+
+    fn start(&self, lane: usize) -> DVec3 {
+        DVec3::new(
+            self.origin[0][lane],
+            self.origin[1][lane],
+            self.origin[2][lane],
+        )
+    }
+
+    /// The caller's parameter of a point `along` the stretch of a lane.
+    pub(super) fn parameter(&self, ray: &Ray, lane: usize, along: f64) -> f64 {
+        ((self.t_start[lane] + along) * self.per_unit[lane]).clamp(ray.t_min, ray.t_max)
+    }
+
+    /// Of `lanes` those that point about the same way as `leader`, from about the same place: no
+    /// farther than `reach` and `turn` in every coordinate.
+    #[inline(always)]
+    pub(super) fn alike(&self, lanes: u32, leader: usize, reach: f64, turn: f64) -> u32 {
+        let mut alike = [true; LANES];
+        for axis in 0..3 {
+            let (o, d) = (self.origin[axis][leader], self.direction[axis][leader]);
+            let negative = self.inverse[axis][leader] < 0.0;
+            for lane in 0..LANES {
+                let near = (self.origin[axis][lane] - o).abs() <= reach;
+                let parallel = (self.direction[axis][lane] - d).abs() <= turn;
+                let same_sign = (self.inverse[axis][lane] < 0.0) == negative;
+                alike[lane] &= near & parallel & same_sign;
+            }
+        }
+        let mut mask = 0;
+        for (lane, alike) in alike.iter().enumerate() {
+            mask |= u32::from(*alike) << lane;
+        }
+        mask & lanes
+    }
+}
