@@ -19,11 +19,31 @@ const MARGIN_PARTS: f32 = 512.0;
 /// A stretch of so many typical supports may share one origin.
 const STRETCH_SUPPORTS: f32 = 4.0;
 
+/// Blobs that one task sums up.
+const PIECE: usize = 1 << 14;
+
 /// Mean radius of the supports.
 pub(super) fn typical_support(field: &BlobField) -> f32 {
-    // In a fixed order, so that the sum does not depend on the number of threads.
-    let sum: f64 = (0..field.len()).map(|i| field.shapes.mean_radius(i)).sum();
-    (sum / field.len().max(1) as f64) as f32
+    // Pieces in a fixed order, so that the sum does not depend on the number of threads.
+    let pieces: Vec<f64> = (0..field.len().div_ceil(PIECE))
+        .into_par_iter()
+        .map(|piece| {
+            let end = ((piece + 1) * PIECE).min(field.len());
+            (piece * PIECE..end)
+                .map(|i| field.shapes.mean_radius(i))
+                .sum()
+        })
+        .collect();
+    (pieces.iter().sum::<f64>() / field.len().max(1) as f64) as f32
+}
+
+/// Box around all supports.
+pub(super) fn support_bounds(field: &BlobField) -> Aabb {
+    (0..field.len())
+        .into_par_iter()
+        .with_min_len(PIECE)
+        .map(|i| field.support_box(i))
+        .reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
 /// See [`ParticleTree::inner_level`](super::ParticleTree::inner_level).

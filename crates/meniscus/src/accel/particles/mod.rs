@@ -107,7 +107,7 @@ impl ParticleTree {
     fn fit<P: Primitive>(&mut self, field: &BlobField) {
         self.typical_support = typical_support(field);
         self.inner_level = inner_level(field);
-        let all = field.bounds();
+        let all = fit::support_bounds(field);
         self.bounds = None;
         if self.leaves == 0 {
             return;

@@ -30,6 +30,10 @@ const LONGEST_STRETCH: f32 = 1.4;
 /// … and a frontier that is nearer than this is moved ahead before anything is solved.
 const SHORTEST_STRETCH: f32 = 0.35;
 
+/// After so many stretches in a row that bounds alone settle, each is twice as long as the one before:
+/// a large blob among small ones would be walked through in their steps.
+const QUIET_STRETCHES: u32 = 4;
+
 /// Buffers of one thread.
 #[derive(Debug, Default)]
 pub struct ParticlesScratch {
@@ -155,6 +159,7 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
     let mut ends = Ends::new(tree.inner_level, search.own_reach());
     // Up to here the ray is solved.
     let mut solved = 0.0_f32;
+    let (mut reach, mut quiet) = (longest, 0);
     frontier.start(tree);
     pool.clear();
     loop {
@@ -210,7 +215,7 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
         }
         // Solve what nothing else can reach.
         let known = frontier.near().unwrap_or(ray.length).min(ray.length);
-        let mut end = known.min(solved + longest);
+        let mut end = known.min(solved + reach);
         if end <= solved {
             // Supports below the rounding of places along the ray.
             end = known;
@@ -229,7 +234,13 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
         let stretch = end - solved;
         let most = pool.advance::<S, K>(simd, solved, stretch, active);
         let nothing_there = active.count == 0 && !(ray.inside && search.on_stated_side);
-        if !search.stays_below(most) && !nothing_there {
+        if search.stays_below(most) || nothing_there {
+            quiet += 1;
+            if quiet > QUIET_STRETCHES {
+                reach *= 2.0;
+            }
+        } else {
+            (reach, quiet) = (longest, 0);
             let near = f64::from(solved);
             if let Some(t) = search.first_on::<S, K>(simd, active, pending, near, stretch) {
                 return Some(Found::Crossing { t, from: solved });
