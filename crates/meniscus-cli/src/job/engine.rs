@@ -7,13 +7,7 @@ use meniscus::frame::FrameSettings;
 use meniscus::math::simd::{SimdLevel, level_name};
 
 /// Engines that are announced and not there yet.
-const ENGINES_TO_COME: [&str; 5] = [
-    "particles",
-    "metaball-bvh",
-    "fitted-bvh",
-    "interval",
-    "peel",
-];
+const ENGINES_TO_COME: [&str; 3] = ["metaball-bvh", "fitted-bvh", "peel"];
 /// Most threads that make sense to ask for.
 const MAX_THREADS: usize = 4096;
 

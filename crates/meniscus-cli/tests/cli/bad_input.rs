@@ -133,7 +133,7 @@ fn what_is_announced_and_not_there_yet_is_said() {
     let folder = Folder::with_water();
     for flags in [
         "--engine fitted-bvh",
-        "--engine particles",
+        "--engine peel",
         "--device gpu",
         "--shutter 0.5",
         "--turntable 12",

@@ -1,6 +1,7 @@
 //! Acceleration structures: boxes in, candidates out.
 
 pub mod cells;
+pub mod particles;
 pub mod supports;
 
 /// Which structure and solver answers rays.
@@ -9,18 +10,24 @@ pub enum Engine {
     /// Disjoint boxes that contain the surface; see [`cells`].
     #[default]
     Cells,
+    /// A hierarchy over the particles, searched behind its frontier; see [`particles`].
+    Particles,
+    /// Interval refinement over the particles; see [`particles`].
+    Interval,
     /// All supports along the ray, sorted, one Bézier polynomial per interval; see [`supports`].
     Sweep,
 }
 
 impl Engine {
     /// Every engine.
-    pub const ALL: [Self; 2] = [Self::Cells, Self::Sweep];
+    pub const ALL: [Self; 4] = [Self::Cells, Self::Particles, Self::Interval, Self::Sweep];
 
     /// The name in files and flags.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cells => "cells",
+            Self::Particles => "particles",
+            Self::Interval => "interval",
             Self::Sweep => "sweep",
         }
     }
@@ -36,6 +43,10 @@ impl Engine {
 pub enum Accel {
     /// For [`Engine::Cells`].
     Cells(cells::Cells),
+    /// For [`Engine::Particles`].
+    Particles(particles::ParticleTree),
+    /// For [`Engine::Interval`].
+    Interval(particles::ParticleTree),
     /// For [`Engine::Sweep`].
     Sweep(supports::SupportTree),
 }
@@ -45,6 +56,8 @@ impl Accel {
     pub fn build(engine: Engine, field: &crate::field::BlobField) -> Self {
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field)),
+            Engine::Particles => Self::Particles(particle_tree(field)),
+            Engine::Interval => Self::Interval(particle_tree(field)),
             Engine::Sweep => Self::Sweep(supports::SupportTree::build(field)),
         }
     }
@@ -53,6 +66,8 @@ impl Accel {
     pub fn engine(&self) -> Engine {
         match self {
             Self::Cells(_) => Engine::Cells,
+            Self::Particles(_) => Engine::Particles,
+            Self::Interval(_) => Engine::Interval,
             Self::Sweep(_) => Engine::Sweep,
         }
     }
@@ -61,7 +76,12 @@ impl Accel {
     pub fn structure_bytes(&self) -> usize {
         match self {
             Self::Cells(cells) => cells.structure_bytes(),
+            Self::Particles(tree) | Self::Interval(tree) => tree.structure_bytes(),
             Self::Sweep(tree) => tree.structure_bytes(),
         }
     }
+}
+
+fn particle_tree(field: &crate::field::BlobField) -> particles::ParticleTree {
+    particles::ParticleTree::build(field, particles::Builder::default())
 }

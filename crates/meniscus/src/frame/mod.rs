@@ -54,7 +54,7 @@ impl Blobs {
     pub fn refinement_secs(&self) -> f64 {
         match &self.accel {
             Accel::Cells(cells) => cells.refinement_secs(),
-            Accel::Sweep(_) => 0.0,
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => 0.0,
         }
     }
 
@@ -62,7 +62,9 @@ impl Blobs {
     pub fn exact_tree(&self) -> &SupportTree {
         match &self.accel {
             Accel::Sweep(tree) => tree,
-            Accel::Cells(_) => self.exact.get_or_init(|| SupportTree::build(&self.field)),
+            Accel::Cells(_) | Accel::Particles(_) | Accel::Interval(_) => {
+                self.exact.get_or_init(|| SupportTree::build(&self.field))
+            }
         }
     }
 }

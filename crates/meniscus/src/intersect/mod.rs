@@ -1,6 +1,9 @@
 //! Rays against surfaces: the engines, and what they answer with.
 
 pub mod cells;
+pub mod interval;
+pub mod particles;
+mod solve;
 pub mod sweep;
 
 use crate::accel::Accel;
@@ -37,9 +40,18 @@ pub struct Scratch {
     pub counters: Counters,
     /// Of engine `cells`.
     pub cells: cells::CellsScratch,
+    /// Of engines `particles` and `interval`.
+    pub particles: particles::ParticlesScratch,
     /// Of engine `sweep`.
     pub sweep: sweep::SweepScratch,
     object_rays: ObjectRays,
+}
+
+impl Scratch {
+    /// Leaves with blobs too small for f32 that single rays have visited so far.
+    fn fine_leaves(&self) -> u64 {
+        self.cells.fine_leaves + self.particles.fine_leaves
+    }
 }
 
 /// Where a ray meets a blob surface, in the object's space.
@@ -92,6 +104,8 @@ impl Blobs {
         }
         match &self.accel {
             Accel::Cells(cells) => cells::closest(self, cells, ray, scratch),
+            Accel::Particles(tree) => particles::closest(self, tree, ray, scratch),
+            Accel::Interval(tree) => interval::closest(self, tree, ray, scratch),
             Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch),
         }
     }
@@ -103,6 +117,8 @@ impl Blobs {
         }
         match &self.accel {
             Accel::Cells(cells) => cells::occluded(self, cells, ray, scratch),
+            Accel::Particles(tree) => particles::occluded(self, tree, ray, scratch),
+            Accel::Interval(tree) => interval::occluded(self, tree, ray, scratch),
             Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch).is_some(),
         }
     }
@@ -116,7 +132,7 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::closest_many(self, cells, rays, hits, scratch),
-            Accel::Sweep(_) => {
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.closest(ray, scratch);
                 }
@@ -133,7 +149,7 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::occluded_many(self, cells, rays, hits, scratch),
-            Accel::Sweep(_) => {
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.occluded(ray, scratch);
                 }
@@ -153,10 +169,10 @@ impl Blobs {
         let local_origin = ray.origin - self.field.origin;
         let side_at = |t: f64| self.field.side(local_origin + ray.direction * t);
         let first = crossings.len();
-        let fine_leaves = scratch.cells.fine_leaves;
+        let fine_leaves = scratch.fine_leaves();
         let mut rest = *ray;
         while let Some(hit) = self.closest(&rest, scratch) {
-            if scratch.cells.fine_leaves != fine_leaves {
+            if scratch.fine_leaves() != fine_leaves {
                 crossings.truncate(first);
                 sweep::crossings(self, self.exact_tree(), ray, scratch, crossings);
                 return;

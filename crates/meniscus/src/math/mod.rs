@@ -2,6 +2,7 @@
 
 pub mod aabb;
 pub mod dual;
+pub mod morton;
 pub mod number;
 pub mod ray;
 pub mod sampling;

@@ -7,6 +7,7 @@
 //! order, each with the distance to the node after its subtree, so a query needs no stack.
 
 use crate::math::aabb::DAabb;
+use crate::math::morton;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -16,7 +17,7 @@ const LEAF_SIZE: usize = 16;
 /// Below this many items a subtree is built by one thread.
 const SEQUENTIAL: usize = 1 << 14;
 /// Bits per axis of a Morton code.
-const MORTON_BITS: u32 = 21;
+const MORTON_BITS: u32 = morton::MAX_BITS;
 
 #[derive(Debug, Clone, Copy)]
 struct Node {
@@ -301,19 +302,10 @@ fn morton(point: DVec3, bounds: &DAabb) -> u64 {
     let extent = (bounds.max * 0.5 - bounds.min * 0.5).max_element();
     let cell = (point * 0.5 - bounds.min * 0.5) / extent * cells;
     // A cast from f64 saturates, and takes NaN (no extent) to 0.
-    let [x, y, z] = cell
-        .to_array()
-        .map(|c| spread((c as u64).min((1 << MORTON_BITS) - 1)));
-    x << 2 | y << 1 | z
-}
-
-/// Bit i of the lowest 21 to bit 3i.
-fn spread(x: u64) -> u64 {
-    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
-    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
-    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
-    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
-    (x | x << 2) & 0x1249_2492_4924_9249
+    morton::morton(
+        cell.to_array()
+            .map(|c| (c as u64).min((1 << MORTON_BITS) - 1)),
+    )
 }
 
 #[cfg(test)]

@@ -2,72 +2,13 @@
 
 use super::LeafView;
 use crate::accel::cells::layout::{Block, Columns, LANES};
+use crate::intersect::solve::Active;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
 use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-
-/// The blobs that a segment meets, in structure-of-arrays form.
-#[derive(Debug, Default)]
-pub(super) struct Active {
-    /// How many; the arrays are longer.
-    pub(super) count: usize,
-    pub(super) c: Vec<f32>,
-    pub(super) beta: Vec<f32>,
-    pub(super) g0: Vec<f32>,
-    pub(super) weight: Vec<f32>,
-}
-
-impl Active {
-    /// Makes room for every blob of a leaf of `count` blobs, in whole chunks plus a spare one.
-    #[inline(always)]
-    fn reserve(&mut self, count: usize) {
-        let capacity = count.next_multiple_of(LANES) + LANES;
-        if self.c.len() < capacity {
-            self.grow(capacity);
-        }
-    }
-
-    #[cold]
-    fn grow(&mut self, capacity: usize) {
-        for column in [&mut self.c, &mut self.beta, &mut self.g0, &mut self.weight] {
-            column.resize(capacity, 0.0);
-        }
-    }
-}
-
-impl Active {
-    /// c, β, g₀ and weight of the sixteen blobs at `at`.
-    #[inline(always)]
-    pub(super) fn lanes<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 4] {
-        let end = at + LANES;
-        [
-            f32x16::from_slice(simd, &self.c[at..end]),
-            f32x16::from_slice(simd, &self.beta[at..end]),
-            f32x16::from_slice(simd, &self.g0[at..end]),
-            f32x16::from_slice(simd, &self.weight[at..end]),
-        ]
-    }
-}
-
-impl Active {
-    /// The part of [0, length] from the first support's entry to the last one's exit, for at most
-    /// one chunk of blobs.
-    #[inline(always)]
-    pub(super) fn span<S: Simd>(&self, simd: S, length: f32) -> (f32, f32) {
-        let [c, beta, g0, _] = self.lanes(simd, 0);
-        let zero = f32x16::splat(simd, 0.0);
-        let present = g0.simd_gt(zero);
-        let one = f32x16::splat(simd, 1.0);
-        let reach = (g0.max(zero) / present.select(beta, one)).sqrt() * 1.000_001;
-        let enter = present.select(c - reach, f32x16::splat(simd, f32::MAX));
-        let leave = present.select(c + reach, f32x16::splat(simd, f32::MIN));
-        let from = enter.reduce_min().max(0.0);
-        (from, leave.reduce_max().min(length).max(from))
-    }
-}
 
 /// Column `k` of a chunk.
 #[inline(always)]

@@ -3,11 +3,11 @@
 
 mod gather;
 mod gradient;
-mod local;
 mod packet;
-mod solve;
-mod start;
 
+use super::solve::{
+    Active, LocalRay, Pending, Question, Search, local_ray, meets_fine_blob, specialised,
+};
 use super::{BlobHit, Scratch, sweep};
 use crate::accel::cells::layout::{Block, Columns, LANES, LeafHeader};
 use crate::accel::cells::traverse::{Stack, visit_leaves};
@@ -15,18 +15,11 @@ use crate::accel::cells::{Cells, Part};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
-use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
-use crate::{at_level, with_kernel};
+use crate::primitive::Primitive;
 use fearless_simd::Simd;
-use gather::{Active, gather};
+use gather::gather;
 use glam::DVec3;
-use local::{LocalRay, local_ray};
 use packet::{Outcome, PacketScratch};
-use solve::{Entry, Pending, Segment, Solver, Verdict};
-use start::{OwnStart, is_inside, start_margin};
-
-/// Accuracy of t that the solver aims at, in spacings.
-const T_TOLERANCE_SPACINGS: f32 = 2e-5;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -156,33 +149,6 @@ fn occluded_alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch
     }
 }
 
-/// What is asked of a search.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Question {
-    /// Where the first crossing is.
-    First,
-    /// Whether there is one.
-    Any,
-}
-
-/// Runs `$body` with the field's kernel, primitive and SIMD token as types: the one dispatch.
-macro_rules! specialised {
-    ($blobs:expr, $simd:ident, $kernel:ident, $primitive:ident => $body:expr) => {
-        match &$blobs.field.shapes {
-            Shapes::Balls(_) => with_kernel!($blobs.field.kernel, $kernel => {
-                type $primitive = Ball;
-                at_level!($blobs.level, $simd => $body)
-            }),
-            Shapes::Ellipsoids(_) => with_kernel!($blobs.field.kernel, $kernel => {
-                type $primitive = Ellipsoid;
-                at_level!($blobs.level, $simd => $body)
-            }),
-        }
-    };
-}
-
-use specialised;
-
 fn find<'a>(
     blobs: &'a Blobs,
     cells: &'a Cells,
@@ -190,7 +156,7 @@ fn find<'a>(
     question: Question,
     scratch: &mut Scratch,
 ) -> Option<Found<'a>> {
-    let local = local_ray(blobs, cells, ray)?;
+    let local = local_ray(blobs, cells.bounds, ray)?;
     let mut found = specialised!(blobs, simd, K, P => {
         find_in_cells::<_, K, P>(simd, blobs, cells, &local, question, scratch)
     })?;
@@ -219,16 +185,7 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
     } = &mut scratch.cells;
     let counters = &mut scratch.counters;
     let direction = ray.direction.as_vec3().to_array();
-    let tolerance = T_TOLERANCE_SPACINGS * blobs.field.spacing;
-    let mut solver = Solver {
-        threshold: blobs.field.threshold,
-        inside: ray.inside,
-        tolerance,
-    };
-    let start_margin = start_margin(cells);
-    let start = OwnStart::new(blobs, cells, ray);
-    // Whether the ray is known to have been on the side that it is said to start on.
-    let mut on_stated_side = ray.side_is_proven && !ray.starts_at_t_min;
+    let mut search: Search = Search::new(blobs, cells.bounds, ray, question);
     let mut first_leaf = true;
     let mut found = None;
     let nodes = simd.vectorize(
@@ -244,16 +201,16 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
                 #[inline(always)]
                 |part, block, near, far| {
                     counters.leaves += 1;
-                    if first_leaf && near > start_margin && !on_stated_side {
+                    let near_f64 = f64::from(near);
+                    if first_leaf && !search.on_stated_side && search.is_past_start(near_f64) {
                         // The ray starts in a dropped cell, all of which lies on one side.
-                        on_stated_side = ray.side_is_proven
+                        search.on_stated_side = ray.side_is_proven
                             || (blobs.field.side(ray.origin) == Side::Inside) == ray.inside;
                     }
                     first_leaf = false;
                     let leaf = LeafView::new::<P>(cells, part, block);
                     counters.blob_evaluations += leaf.header.count as u64;
-                    let origin =
-                        (ray.origin + ray.direction * f64::from(near) - leaf.center()).as_vec3();
+                    let origin = (ray.origin + ray.direction * near_f64 - leaf.center()).as_vec3();
                     if leaf.header.fine_beta < f32::INFINITY {
                         *fine_leaves += 1;
                         if meets_fine::<P>(blobs, &leaf, ray) {
@@ -270,62 +227,16 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
                         length,
                         active,
                     );
-                    if !solver.inside && reach < solver.threshold {
-                        on_stated_side = true;
+                    if search.stays_below(reach) {
                         return false;
                     }
-                    let away_from_start = near > start_margin || !ray.starts_at_t_min;
-                    let entry = if ray.side_is_proven || (on_stated_side && away_from_start) {
-                        Entry::Confirmed
-                    } else if away_from_start {
-                        Entry::Returning
-                    } else {
-                        Entry::Unconfirmed
-                    };
-                    if question == Question::Any && f64::from(near) > start.reach {
-                        // That there is a crossing is enough.
-                        solver.tolerance = f32::INFINITY;
-                    }
-                    let mut segment = Segment {
-                        from: 0.0,
-                        length,
-                        entry,
-                    };
-                    let mut stride = start.stride;
-                    loop {
-                        let crossing =
-                            match solver.first_crossing::<S, K>(simd, active, pending, segment) {
-                                Verdict::Crossing(s) => s,
-                                Verdict::Unclear => segment.from,
-                                Verdict::StaysOnSide => {
-                                    on_stated_side = true;
-                                    return false;
-                                }
-                                Verdict::NeverOnSide => return false,
-                            };
-                        let t = f64::from(near) + f64::from(crossing);
-                        if start.is_sure(blobs, ray, t) {
-                            found = Some(Found::Crossing {
-                                t,
-                                leaf,
-                                entering: !solver.inside,
-                            });
-                            return true;
-                        }
-                        segment.from = crossing + stride;
-                        stride *= 2.0;
-                        on_stated_side =
-                            is_inside(blobs, ray, f64::from(near) + f64::from(segment.from))
-                                == ray.inside;
-                        if segment.from >= length {
-                            return false;
-                        }
-                        segment.entry = if on_stated_side {
-                            Entry::Confirmed
-                        } else {
-                            Entry::Returning
-                        };
-                    }
+                    let crossing = search.first_on::<S, K>(simd, active, pending, near_f64, length);
+                    found = crossing.map(|t| Found::Crossing {
+                        t,
+                        leaf,
+                        entering: !ray.inside,
+                    });
+                    found.is_some()
                 },
             )
         },
@@ -376,18 +287,8 @@ impl<'a> LeafView<'a> {
 #[cold]
 fn meets_fine<P: Primitive>(blobs: &Blobs, leaf: &LeafView<'_>, ray: &LocalRay) -> bool {
     let field = &blobs.field;
-    leaf.blobs::<P>().any(|i| {
-        let v = field.shapes.transform(i, ray.direction);
-        let beta = v.length_squared();
-        if beta < f64::from(leaf.header.fine_beta) {
-            return false;
-        }
-        let y = field
-            .shapes
-            .transform(i, ray.origin - field.center(i).as_dvec3());
-        let nearest = (-y.dot(v) / beta).max(0.0);
-        (y + v * nearest).length_squared() < 1.0
-    })
+    leaf.blobs::<P>()
+        .any(|i| meets_fine_blob(field, i, leaf.header.fine_beta, ray))
 }
 
 /// −∇F and the strongest blob at a local point of a leaf.

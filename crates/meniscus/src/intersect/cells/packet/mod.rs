@@ -12,17 +12,16 @@ mod prepare;
 mod step;
 mod visit;
 
-use super::start::{near_start, start_margin};
-use super::{LeafView, T_TOLERANCE_SPACINGS, specialised};
+use super::LeafView;
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::frame::Blobs;
 use crate::intersect::Scratch;
+use crate::intersect::solve::{T_TOLERANCE_SPACINGS, near_start, specialised, start_margin};
 use crate::kernel::KernelShape;
 use crate::math::ray::Ray;
 use crate::math::simd::xyz;
-use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
-use crate::{at_level, with_kernel};
+use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use leaf::ActiveLanes;
@@ -141,8 +140,8 @@ fn trace_groups<S: Simd, K: KernelShape, P: Primitive>(
     let job = Job {
         threshold: blobs.field.threshold,
         tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
-        start_margin: start_margin(cells),
-        near_start: near_start(blobs, cells),
+        start_margin: start_margin(cells.bounds),
+        near_start: near_start(blobs, cells.bounds),
         any,
     };
     let reach = ORIGIN_SPREAD_SPACINGS * f64::from(blobs.field.spacing);

@@ -1,34 +1,34 @@
-//! A ray as engine `cells` traces it: clipped in f64, so that f32 never sees a far origin.
+//! A ray as engines in f32 trace it: clipped in f64, so that f32 never sees a far origin.
 
-use crate::accel::cells::Cells;
 use crate::accel::cells::traverse::SlabRay;
 use crate::frame::Blobs;
+use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Side};
 use glam::DVec3;
 
-/// A ray in local coordinates with a unit direction, moved to where it can first meet the cells.
+/// A ray in local coordinates with a unit direction, moved to where it can first meet the structure.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LocalRay {
+pub(in crate::intersect) struct LocalRay {
     /// Start of the stretch that is traced, local f64.
-    pub(super) origin: DVec3,
+    pub(in crate::intersect) origin: DVec3,
     /// Unit direction.
-    pub(super) direction: DVec3,
+    pub(in crate::intersect) direction: DVec3,
     /// Unit-length parameter of `origin` on the caller's ray.
-    pub(super) t_start: f64,
+    pub(in crate::intersect) t_start: f64,
     /// Length of the stretch.
-    pub(super) length: f32,
-    /// Whether `origin` lies at the caller's t_min (otherwise the ray came from outside the cells).
-    pub(super) starts_at_t_min: bool,
+    pub(in crate::intersect) length: f32,
+    /// Whether `origin` lies at the caller's t_min (otherwise the ray came from outside the structure).
+    pub(in crate::intersect) starts_at_t_min: bool,
     /// 1/|direction| of the caller's ray.
-    pub(super) per_unit: f64,
-    pub(super) inside: bool,
+    pub(in crate::intersect) per_unit: f64,
+    pub(in crate::intersect) inside: bool,
     /// Whether the field, not the caller, says that the ray starts on this side.
-    pub(super) side_is_proven: bool,
+    pub(in crate::intersect) side_is_proven: bool,
 }
 
 impl LocalRay {
     /// The stretch as the slab test wants it.
-    pub(super) fn slab_ray(&self) -> SlabRay {
+    pub(in crate::intersect) fn slab_ray(&self) -> SlabRay {
         SlabRay::new(
             self.origin.as_vec3().to_array(),
             self.direction.as_vec3().to_array(),
@@ -37,14 +37,18 @@ impl LocalRay {
     }
 
     /// The caller's parameter of a point `along` the stretch.
-    pub(super) fn parameter(&self, ray: &Ray, along: f64) -> f64 {
+    pub(in crate::intersect) fn parameter(&self, ray: &Ray, along: f64) -> f64 {
         ((self.t_start + along) * self.per_unit).clamp(ray.t_min, ray.t_max)
     }
 }
 
-/// Clips the ray against the cells' box in f64, so that f32 never sees a far origin.
-pub(super) fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
-    let bounds = cells.bounds?;
+/// Clips the ray in f64 against the box that holds all surface.
+pub(in crate::intersect) fn local_ray(
+    blobs: &Blobs,
+    bounds: Option<Aabb>,
+    ray: &Ray,
+) -> Option<LocalRay> {
+    let bounds = bounds?;
     let length = ray.direction.length();
     let per_unit = length.recip();
     let direction = ray.direction * per_unit;

@@ -2,17 +2,18 @@
 
 use super::T_TOLERANCE_SPACINGS;
 use super::local::LocalRay;
-use crate::accel::cells::Cells;
 use crate::frame::Blobs;
+use crate::math::aabb::Aabb;
 use crate::math::ray::Side;
 
-/// A leaf entered this close to t_min may hold the start although rounding says otherwise.
-pub(super) fn start_margin(cells: &Cells) -> f32 {
-    4e-6 * cells.bounds.map_or(0.0, |b| b.size().max_element())
+/// What lies this close to t_min may hold the start although rounding says otherwise; `bounds` is the box
+/// around the structure.
+pub(in crate::intersect) fn start_margin(bounds: Option<Aabb>) -> f32 {
+    4e-6 * bounds.map_or(0.0, |b| b.size().max_element())
 }
 
 /// Whether float64 sees the point `along` the stretch inside.
-pub(super) fn is_inside(blobs: &Blobs, ray: &LocalRay, along: f64) -> bool {
+pub(in crate::intersect) fn is_inside(blobs: &Blobs, ray: &LocalRay, along: f64) -> bool {
     blobs.field.side(ray.origin + ray.direction * along) == Side::Inside
 }
 
@@ -25,23 +26,23 @@ const TOLERANCE_PER_REACH: f32 = T_TOLERANCE_SPACINGS / NEAR_START_SPACINGS;
 
 /// Distance from a ray's own start within which crossings need float64: [`NEAR_START_SPACINGS`], or
 /// what f32 cannot resolve where blobs are far smaller than the scene.
-pub(super) fn near_start(blobs: &Blobs, cells: &Cells) -> f32 {
-    (NEAR_START_SPACINGS * blobs.field.spacing).max(8.0 * start_margin(cells))
+pub(in crate::intersect) fn near_start(blobs: &Blobs, bounds: Option<Aabb>) -> f32 {
+    (NEAR_START_SPACINGS * blobs.field.spacing).max(8.0 * start_margin(bounds))
 }
 
 /// The neighbourhood of the start of a ray that states its side there.
-pub(super) struct OwnStart {
+pub(in crate::intersect) struct OwnStart {
     /// Crossings at smaller distances need float64; negative where none does.
-    pub(super) reach: f64,
+    pub(in crate::intersect) reach: f64,
     /// Accuracy of a crossing.
     tolerance: f64,
     /// How far behind a crossing that is not there the search goes on at first.
-    pub(super) stride: f32,
+    pub(in crate::intersect) stride: f32,
 }
 
 impl OwnStart {
-    pub(super) fn new(blobs: &Blobs, cells: &Cells, ray: &LocalRay) -> Self {
-        let near = near_start(blobs, cells);
+    pub(in crate::intersect) fn new(blobs: &Blobs, bounds: Option<Aabb>, ray: &LocalRay) -> Self {
+        let near = near_start(blobs, bounds);
         Self {
             reach: if ray.starts_at_t_min && !ray.side_is_proven {
                 f64::from(near)
@@ -55,7 +56,7 @@ impl OwnStart {
 
     /// Whether a crossing at `t` is one: the field is on the stated side before it and on the other
     /// behind it.
-    pub(super) fn is_sure(&self, blobs: &Blobs, ray: &LocalRay, t: f64) -> bool {
+    pub(in crate::intersect) fn is_sure(&self, blobs: &Blobs, ray: &LocalRay, t: f64) -> bool {
         if t > self.reach {
             return true;
         }

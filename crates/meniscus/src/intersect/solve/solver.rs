@@ -5,7 +5,7 @@
 //! lies at most K ds²/8 below φ when K ≥ −φ″. An interval whose ends both lie below −K ds²/8 holds
 //! no crossing.
 
-use super::gather::Active;
+use super::active::Active;
 use crate::accel::cells::layout::LANES;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
@@ -16,7 +16,7 @@ use fearless_simd::{Simd, f32x16};
 const PENDING: usize = 40;
 
 /// Relative rounding of a sum of kernels in f32: below this φ has no sign.
-const NOISE: f32 = 4e-7;
+pub(in crate::intersect) const NOISE: f32 = 4e-7;
 
 /// Relative rounding of a slope, with a margin.
 const SLOPE_NOISE: f32 = 1e-5;
@@ -58,7 +58,7 @@ const AIMED_GAPS: [f32; LANES] = gaps(&AIMED);
 
 /// How the ray came to the start of the segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Entry {
+pub(in crate::intersect) enum Entry {
     /// On the side that the solver assumes; if the field says otherwise here, the surface lies at
     /// this seam between two leaves.
     Confirmed,
@@ -68,14 +68,14 @@ pub(super) enum Entry {
     Returning,
 }
 
-/// What to search.
+/// What to look at.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Segment {
+pub(in crate::intersect) struct Segment {
     /// Where the search begins.
-    pub(super) from: f32,
+    pub(in crate::intersect) from: f32,
     /// Where it ends.
-    pub(super) length: f32,
-    pub(super) entry: Entry,
+    pub(in crate::intersect) length: f32,
+    pub(in crate::intersect) entry: Entry,
 }
 
 /// A stretch of the segment that may hold the crossing.
@@ -90,7 +90,7 @@ struct Interval {
 
 /// Intervals put off until those before them are done.
 #[derive(Debug)]
-pub(super) struct Pending([Interval; PENDING]);
+pub(in crate::intersect) struct Pending([Interval; PENDING]);
 
 impl Default for Pending {
     fn default() -> Self {
@@ -106,7 +106,7 @@ impl Default for Pending {
 
 /// What a search found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Verdict {
+pub(in crate::intersect) enum Verdict {
     /// The surface, at this distance from the segment's start.
     Crossing(f32),
     /// No crossing; the ray was seen on its side.
@@ -120,12 +120,34 @@ pub(super) enum Verdict {
 
 /// The equation and its accuracy.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Solver {
-    pub(super) threshold: f32,
+pub(in crate::intersect) struct Solver {
+    pub(in crate::intersect) threshold: f32,
     /// Whether the ray travels inside.
-    pub(super) inside: bool,
+    pub(in crate::intersect) inside: bool,
     /// Wanted accuracy of the crossing, as a length.
-    pub(super) tolerance: f32,
+    pub(in crate::intersect) tolerance: f32,
+}
+
+/// A way of solving one segment.
+pub(in crate::intersect) trait FirstCrossing {
+    /// Of a walk behind the frontier: whether all blobs that may count are collected before anything is
+    /// solved.
+    const COLLECTS_FIRST: bool;
+
+    /// For the equation of `solver`.
+    fn new(solver: Solver) -> Self;
+
+    /// From now on any place will do as a crossing's.
+    fn stop_at_any(&mut self);
+
+    /// The first crossing on the segment; `active` holds the blobs that it meets.
+    fn first_crossing<S: Simd, K: KernelShape>(
+        &self,
+        simd: S,
+        active: &Active,
+        pending: &mut Pending,
+        segment: Segment,
+    ) -> Verdict;
 }
 
 /// `sum` plus the field of one blob at sixteen points.
@@ -145,7 +167,7 @@ fn add_blob<S: Simd, K: KernelShape>(
 impl Solver {
     /// φ at sixteen points.
     #[inline(always)]
-    fn sample<S: Simd, K: KernelShape>(
+    pub(in crate::intersect) fn sample<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
@@ -193,7 +215,7 @@ impl Solver {
 
     /// Bounds (−φ″, +φ″) over [from, to], from the blobs whose support meets it.
     #[inline(always)]
-    fn bend<S: Simd, K: KernelShape>(
+    pub(in crate::intersect) fn bend<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
@@ -218,10 +240,23 @@ impl Solver {
         let (down, up) = (down.reduce_sum(), up.reduce_sum());
         if self.inside { (up, down) } else { (down, up) }
     }
+}
 
-    /// The first crossing on the segment.
+impl FirstCrossing for Solver {
+    const COLLECTS_FIRST: bool = false;
+
     #[inline(always)]
-    pub(super) fn first_crossing<S: Simd, K: KernelShape>(
+    fn new(solver: Solver) -> Self {
+        solver
+    }
+
+    #[inline(always)]
+    fn stop_at_any(&mut self) {
+        self.tolerance = f32::INFINITY;
+    }
+
+    #[inline(always)]
+    fn first_crossing<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
@@ -379,10 +414,16 @@ impl Solver {
             Verdict::StaysOnSide
         }
     }
+}
 
+impl Solver {
     /// The first crossing of a ray from outside with the only blob that it meets, in closed form.
     #[inline(always)]
-    fn lone_blob<K: KernelShape>(&self, active: &Active, length: f32) -> Verdict {
+    pub(in crate::intersect) fn lone_blob<K: KernelShape>(
+        &self,
+        active: &Active,
+        length: f32,
+    ) -> Verdict {
         let level = self.threshold / active.weight[0];
         if level <= 0.0 || level >= 1.0 {
             return Verdict::StaysOnSide;

@@ -1,0 +1,120 @@
+//! Walks the tree front to back. What is still to be visited stands sorted by where the ray enters it,
+//! so nothing that is not yet visited reaches the ray before the frontier.
+
+use super::ParticleTree;
+use super::layout::Node;
+use crate::accel::cells::layout::LEAF;
+use crate::accel::cells::traverse::SlabRay;
+use crate::math::simd::{splat3, xyz};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
+/// A ray with its directions' signs, as lanes.
+#[derive(Debug, Clone, Copy)]
+pub struct Slabs<S: Simd> {
+    origin: [f32x8<S>; 3],
+    inverse: [f32x8<S>; 3],
+    /// Which of the six bounds the ray meets first on each axis, and which last.
+    near_row: [usize; 3],
+    far_row: [usize; 3],
+    end: f32x8<S>,
+}
+
+impl<S: Simd> Slabs<S> {
+    /// From a ray.
+    #[inline(always)]
+    pub fn new(simd: S, ray: &SlabRay) -> Self {
+        let row = |axis: usize, upper: bool| {
+            if (ray.inverse[axis] < 0.0) == upper {
+                axis
+            } else {
+                axis + 3
+            }
+        };
+        Self {
+            origin: splat3(simd, ray.origin),
+            inverse: splat3(simd, ray.inverse),
+            near_row: [row(0, false), row(1, false), row(2, false)],
+            far_row: [row(0, true), row(1, true), row(2, true)],
+            end: f32x8::splat(simd, ray.t_max),
+        }
+    }
+}
+
+/// What is still to be visited, the nearest last: the parameter where the ray enters, as bits (those
+/// of numbers that are not negative are in the numbers' order), above the reference.
+#[derive(Debug, Default)]
+pub struct Frontier {
+    entries: Vec<u64>,
+}
+
+impl Frontier {
+    /// Starts a ray.
+    #[inline(always)]
+    pub fn start(&mut self, tree: &ParticleTree) {
+        self.entries.clear();
+        if !tree.nodes.is_empty() {
+            self.entries.push(0);
+        }
+    }
+
+    /// Where the ray enters what is nearest; nothing unvisited lies before.
+    #[inline(always)]
+    pub fn near(&self) -> Option<f32> {
+        self.entries
+            .last()
+            .map(|entry| f32::from_bits((entry >> 32) as u32))
+    }
+
+    /// Takes what is nearest: opens a node, or returns the number of a leaf.
+    #[inline(always)]
+    pub fn visit<S: Simd>(&mut self, simd: S, tree: &ParticleTree, ray: &Slabs<S>) -> Option<u32> {
+        let reference = self.entries.pop()? as u32;
+        if reference & LEAF != 0 {
+            return Some(reference & !LEAF);
+        }
+        self.open(simd, &tree.nodes[reference as usize], ray);
+        None
+    }
+
+    #[inline(always)]
+    fn open<S: Simd>(&mut self, simd: S, node: &Node, ray: &Slabs<S>) {
+        let near = xyz(
+            #[inline(always)]
+            |axis| {
+                let faces = f32x8::from_slice(simd, &node.bounds[ray.near_row[axis]]);
+                (faces - ray.origin[axis]) * ray.inverse[axis]
+            },
+        );
+        let far = xyz(
+            #[inline(always)]
+            |axis| {
+                let faces = f32x8::from_slice(simd, &node.bounds[ray.far_row[axis]]);
+                (faces - ray.origin[axis]) * ray.inverse[axis]
+            },
+        );
+        let start = f32x8::splat(simd, 0.0);
+        let near = near[0].max(near[1]).max(near[2].max(start));
+        let far = far[0].min(far[1]).min(far[2].min(ray.end));
+        let mut pierced = near.simd_le(far).to_bitmask() as u32;
+        let near: [f32; 8] = near.to_array();
+        while pierced != 0 {
+            let slot = pierced.trailing_zeros() as usize & 7;
+            pierced &= pierced - 1;
+            // −0 would stand behind everything.
+            let bits = near[slot].abs().to_bits();
+            self.insert(u64::from(bits) << 32 | u64::from(node.children[slot]));
+        }
+    }
+
+    #[inline(always)]
+    fn insert(&mut self, entry: u64) {
+        let mut at = self.entries.len();
+        self.entries.push(entry);
+        while at > 0 && self.entries[at - 1] < entry {
+            self.entries[at] = self.entries[at - 1];
+            at -= 1;
+        }
+        self.entries[at] = entry;
+    }
+}

@@ -1,0 +1,43 @@
+//! The nodes of `particles`: eight-wide, children behind their parents; and its leaves, which are those
+//! of [`cells`](crate::accel::cells::layout) with one chunk each.
+
+use crate::primitive::Primitive;
+
+/// Eight children: their boxes axis by axis, and where they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(32))]
+pub struct Node {
+    /// `bounds[axis]`: lower faces of the eight boxes, `bounds[3 + axis]`: upper faces. A child that
+    /// does not exist has an empty box.
+    pub bounds: [[f32; 8]; 6],
+    /// Index of a node, or [`LEAF`](crate::accel::cells::layout::LEAF) | number of a leaf.
+    pub children: [u32; 8],
+}
+
+impl Node {
+    /// A node without children.
+    pub const EMPTY: Self = Self {
+        bounds: [
+            [f32::INFINITY; 8],
+            [f32::INFINITY; 8],
+            [f32::INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+        ],
+        children: [Self::NONE; 8],
+    };
+
+    /// In `children`: there is none.
+    pub const NONE: u32 = u32::MAX;
+}
+
+/// Blocks of a leaf: its header, x, y, z, the shape's columns, the weight and the index.
+pub const fn leaf_blocks<P: Primitive>() -> usize {
+    1 + columns::<P>()
+}
+
+/// Columns of a blob.
+pub const fn columns<P: Primitive>() -> usize {
+    3 + P::COLUMNS + 2
+}

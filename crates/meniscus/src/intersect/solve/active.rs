@@ -1,0 +1,73 @@
+//! The blobs that a segment meets, as parabolas g(s) = g₀ − β(s − c)².
+
+use crate::accel::cells::layout::LANES;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+
+/// The blobs that a segment meets, in structure-of-arrays form.
+#[derive(Debug, Default)]
+pub(in crate::intersect) struct Active {
+    /// How many; the arrays are longer.
+    pub(in crate::intersect) count: usize,
+    pub(in crate::intersect) c: Vec<f32>,
+    pub(in crate::intersect) beta: Vec<f32>,
+    pub(in crate::intersect) g0: Vec<f32>,
+    pub(in crate::intersect) weight: Vec<f32>,
+}
+
+impl Active {
+    /// Makes room for `largest` blobs, in whole chunks plus a spare one.
+    #[inline(always)]
+    pub(in crate::intersect) fn reserve(&mut self, largest: usize) {
+        let capacity = largest.next_multiple_of(LANES) + LANES;
+        if self.c.len() < capacity {
+            self.grow(capacity);
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self, capacity: usize) {
+        for column in [&mut self.c, &mut self.beta, &mut self.g0, &mut self.weight] {
+            column.resize(capacity, 0.0);
+        }
+    }
+
+    /// c, β, g₀ and weight of the sixteen blobs at `at`.
+    #[inline(always)]
+    pub(in crate::intersect) fn lanes<S: Simd>(&self, simd: S, at: usize) -> [f32x16<S>; 4] {
+        let end = at + LANES;
+        [
+            f32x16::from_slice(simd, &self.c[at..end]),
+            f32x16::from_slice(simd, &self.beta[at..end]),
+            f32x16::from_slice(simd, &self.g0[at..end]),
+            f32x16::from_slice(simd, &self.weight[at..end]),
+        ]
+    }
+
+    /// Ends a fill of `count` blobs.
+    #[inline(always)]
+    pub(in crate::intersect) fn finish(&mut self, count: usize) {
+        self.count = count;
+        // Lanes behind the last blob are read in whole chunks: weight 0 and a parabola that stays at 0.
+        let end = count + LANES;
+        self.weight[count..end].fill(0.0);
+        self.g0[count..end].fill(0.0);
+        self.beta[count..end].fill(0.0);
+        self.c[count..end].fill(0.0);
+    }
+
+    /// The part of [0, length] from the first support's entry to the last one's exit, for at most
+    /// one chunk of blobs.
+    #[inline(always)]
+    pub(in crate::intersect) fn span<S: Simd>(&self, simd: S, length: f32) -> (f32, f32) {
+        let [c, beta, g0, _] = self.lanes(simd, 0);
+        let zero = f32x16::splat(simd, 0.0);
+        let present = g0.simd_gt(zero);
+        let one = f32x16::splat(simd, 1.0);
+        let reach = (g0.max(zero) / present.select(beta, one)).sqrt() * 1.000_001;
+        let enter = present.select(c - reach, f32x16::splat(simd, f32::MAX));
+        let leave = present.select(c + reach, f32x16::splat(simd, f32::MIN));
+        let from = enter.reduce_min().max(0.0);
+        (from, leave.reduce_max().min(length).max(from))
+    }
+}
