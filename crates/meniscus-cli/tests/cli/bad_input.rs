@@ -132,7 +132,6 @@ fn settings_out_of_range() {
 fn what_is_announced_and_not_there_yet_is_said() {
     let folder = Folder::with_water();
     for flags in [
-        "--engine fitted-bvh",
         "--engine particles",
         "--device gpu",
         "--shutter 0.5",

@@ -1,7 +1,11 @@
 //! Acceleration structures: boxes in, candidates out.
 
 pub mod cells;
+pub mod metaballs;
 pub mod supports;
+
+use crate::scene::EngineSettings;
+use metaballs::MetaballTree;
 
 /// Which structure and solver answers rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -9,18 +13,24 @@ pub enum Engine {
     /// Disjoint boxes that contain the surface; see [`cells`].
     #[default]
     Cells,
+    /// Metaballs in a tree of overlapping boxes (Gourmel et al. 2010, §4); see [`metaballs`].
+    MetaballBvh,
+    /// Metaballs in a tree of disjoint boxes (Gourmel et al. 2010, §5); see [`metaballs`].
+    FittedBvh,
     /// All supports along the ray, sorted, one Bézier polynomial per interval; see [`supports`].
     Sweep,
 }
 
 impl Engine {
     /// Every engine.
-    pub const ALL: [Self; 2] = [Self::Cells, Self::Sweep];
+    pub const ALL: [Self; 4] = [Self::Cells, Self::MetaballBvh, Self::FittedBvh, Self::Sweep];
 
     /// The name in files and flags.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cells => "cells",
+            Self::MetaballBvh => "metaball-bvh",
+            Self::FittedBvh => "fitted-bvh",
             Self::Sweep => "sweep",
         }
     }
@@ -36,6 +46,8 @@ impl Engine {
 pub enum Accel {
     /// For [`Engine::Cells`].
     Cells(cells::Cells),
+    /// For [`Engine::MetaballBvh`] and [`Engine::FittedBvh`].
+    Metaballs(metaballs::MetaballTree),
     /// For [`Engine::Sweep`].
     Sweep(supports::SupportTree),
 }
@@ -45,10 +57,21 @@ impl Accel {
     pub fn build(
         engine: Engine,
         field: &crate::field::BlobField,
+        settings: &EngineSettings,
         level: crate::math::simd::Level,
     ) -> Self {
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field, level)),
+            Engine::MetaballBvh => Self::Metaballs(MetaballTree::build(
+                field,
+                metaballs::Boxes::Overlapping,
+                settings,
+            )),
+            Engine::FittedBvh => Self::Metaballs(MetaballTree::build(
+                field,
+                metaballs::Boxes::Disjoint,
+                settings,
+            )),
             Engine::Sweep => Self::Sweep(supports::SupportTree::build(field)),
         }
     }
@@ -57,6 +80,10 @@ impl Accel {
     pub fn engine(&self) -> Engine {
         match self {
             Self::Cells(_) => Engine::Cells,
+            Self::Metaballs(tree) => match tree.boxes {
+                metaballs::Boxes::Overlapping => Engine::MetaballBvh,
+                metaballs::Boxes::Disjoint => Engine::FittedBvh,
+            },
             Self::Sweep(_) => Engine::Sweep,
         }
     }
@@ -65,6 +92,7 @@ impl Accel {
     pub fn structure_bytes(&self) -> usize {
         match self {
             Self::Cells(cells) => cells.structure_bytes(),
+            Self::Metaballs(tree) => tree.structure_bytes(),
             Self::Sweep(tree) => tree.structure_bytes(),
         }
     }

@@ -14,7 +14,7 @@ use crate::accel::supports::SupportTree;
 use crate::accel::{Accel, Engine};
 use crate::field::BlobField;
 use crate::math::simd::Level;
-use crate::scene::Background;
+use crate::scene::{Background, EngineSettings};
 use glam::{DAffine3, DVec3};
 use std::sync::OnceLock;
 
@@ -25,6 +25,8 @@ pub struct Blobs {
     pub field: BlobField,
     /// Its acceleration structure.
     pub accel: Accel,
+    /// Switches of the engine.
+    pub settings: EngineSettings,
     /// The SIMD level that rays run on.
     pub level: Level,
     /// For rays that need float64 whatever the engine; built when the first one comes.
@@ -32,12 +34,23 @@ pub struct Blobs {
 }
 
 impl Blobs {
-    /// Builds the structure of `field` for `engine`.
+    /// Builds the structure of `field` for `engine` with its default switches.
     pub fn build(field: BlobField, engine: Engine, level: Level) -> Self {
-        let accel = Accel::build(engine, &field, level);
+        Self::build_with(field, engine, EngineSettings::default(), level)
+    }
+
+    /// Builds the structure of `field` for `engine`.
+    pub fn build_with(
+        field: BlobField,
+        engine: Engine,
+        settings: EngineSettings,
+        level: Level,
+    ) -> Self {
+        let accel = Accel::build(engine, &field, &settings, level);
         Self {
             field,
             accel,
+            settings,
             level,
             exact: OnceLock::new(),
         }
@@ -47,7 +60,9 @@ impl Blobs {
     pub fn exact_tree(&self) -> &SupportTree {
         match &self.accel {
             Accel::Sweep(tree) => tree,
-            Accel::Cells(_) => self.exact.get_or_init(|| SupportTree::build(&self.field)),
+            Accel::Cells(_) | Accel::Metaballs(_) => {
+                self.exact.get_or_init(|| SupportTree::build(&self.field))
+            }
         }
     }
 }

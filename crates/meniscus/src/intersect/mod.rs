@@ -1,6 +1,7 @@
 //! Rays against surfaces: the engines, and what they answer with.
 
 pub mod cells;
+pub mod metaballs;
 pub mod sweep;
 
 use crate::accel::Accel;
@@ -19,6 +20,13 @@ pub struct Counters {
     pub leaves: u64,
     /// Blobs tested against a ray segment in leaves.
     pub blob_evaluations: u64,
+    /// Engine `sweep`: polynomials searched for a root.
+    pub polynomials: u64,
+    /// Engine `sweep`: clips and halvings in those searches.
+    pub clip_iterations: u64,
+    /// Engine `sweep` with a paper's clipping rule: searches that ended at the limit of iterations or
+    /// of the stack, so that a root may be lost.
+    pub clip_failures: u64,
 }
 
 impl std::ops::AddAssign for Counters {
@@ -27,6 +35,9 @@ impl std::ops::AddAssign for Counters {
         self.nodes += other.nodes;
         self.leaves += other.leaves;
         self.blob_evaluations += other.blob_evaluations;
+        self.polynomials += other.polynomials;
+        self.clip_iterations += other.clip_iterations;
+        self.clip_failures += other.clip_failures;
     }
 }
 
@@ -37,6 +48,8 @@ pub struct Scratch {
     pub counters: Counters,
     /// Of engine `cells`.
     pub cells: cells::CellsScratch,
+    /// Of engines `metaball-bvh` and `fitted-bvh`.
+    pub metaballs: metaballs::MetaballScratch,
     /// Of engine `sweep`.
     pub sweep: sweep::SweepScratch,
     object_rays: ObjectRays,
@@ -92,6 +105,7 @@ impl Blobs {
         }
         match &self.accel {
             Accel::Cells(cells) => cells::closest(self, cells, ray, scratch),
+            Accel::Metaballs(tree) => metaballs::closest(self, tree, ray, scratch),
             Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch),
         }
     }
@@ -103,6 +117,7 @@ impl Blobs {
         }
         match &self.accel {
             Accel::Cells(cells) => cells::occluded(self, cells, ray, scratch),
+            Accel::Metaballs(tree) => metaballs::occluded(self, tree, ray, scratch),
             Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch).is_some(),
         }
     }
@@ -116,7 +131,7 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::closest_many(self, cells, rays, hits, scratch),
-            Accel::Sweep(_) => {
+            Accel::Metaballs(_) | Accel::Sweep(_) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.closest(ray, scratch);
                 }
@@ -133,7 +148,7 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::occluded_many(self, cells, rays, hits, scratch),
-            Accel::Sweep(_) => {
+            Accel::Metaballs(_) | Accel::Sweep(_) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.occluded(ray, scratch);
                 }
@@ -145,6 +160,7 @@ impl Blobs {
     pub fn crossings(&self, ray: &Ray, scratch: &mut Scratch, crossings: &mut Vec<Crossing>) {
         let in_float64 = match &self.accel {
             Accel::Cells(cells) => cells.has_fine_blobs,
+            Accel::Metaballs(_) => false,
             Accel::Sweep(_) => true,
         };
         if in_float64 {

@@ -8,7 +8,7 @@ use crate::interrupt;
 use crate::job::engine::EngineChoice;
 use crate::job::input;
 use crate::job::load::{self, LoadedFrame, ReadFrame};
-use crate::job::scene::{apply_camera, apply_surface, scene_failure};
+use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::progress::Reporter;
 use meniscus::frame::Light;
 use meniscus::math::DVec3;
@@ -60,6 +60,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
     };
     let engine = EngineChoice::new(&args.engine)?;
     let edit = |scene: &mut Scene| {
+        apply_settings(&args.settings, scene)?;
         apply_surface(&args.surface, scene)?;
         apply_camera(&args.camera, scene)?;
         // Only surfaces are measured.

@@ -64,7 +64,7 @@ impl Active {
 
 /// Column `k` of a chunk.
 #[inline(always)]
-pub(super) fn lanes<S: Simd>(simd: S, chunk: &[Block], k: usize) -> f32x16<S> {
+pub(in crate::intersect) fn lanes<S: Simd>(simd: S, chunk: &[Block], k: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &chunk[k].0)
 }
 

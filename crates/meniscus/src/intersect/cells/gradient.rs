@@ -12,7 +12,7 @@ use glam::DVec3;
 
 /// −∇F and the index of the blob with the largest |w·k| at `point` (leaf-relative).
 #[inline(always)]
-pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
+pub(in crate::intersect) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     chunks: &[Block],
     point: [f32; 3],

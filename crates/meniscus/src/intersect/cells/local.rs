@@ -2,33 +2,35 @@
 
 use crate::accel::cells::Cells;
 use crate::accel::cells::traverse::SlabRay;
+use crate::field::BlobField;
 use crate::frame::Blobs;
+use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Side};
 use glam::DVec3;
 
 /// A ray in local coordinates with a unit direction, moved to where it can first meet the cells.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LocalRay {
+pub(in crate::intersect) struct LocalRay {
     /// Start of the stretch that is traced, local f64.
-    pub(super) origin: DVec3,
+    pub(in crate::intersect) origin: DVec3,
     /// Unit direction.
-    pub(super) direction: DVec3,
+    pub(in crate::intersect) direction: DVec3,
     /// Unit-length parameter of `origin` on the caller's ray.
-    pub(super) t_start: f64,
+    pub(in crate::intersect) t_start: f64,
     /// Length of the stretch.
-    pub(super) length: f32,
+    pub(in crate::intersect) length: f32,
     /// Whether `origin` lies at the caller's t_min (otherwise the ray came from outside the cells).
-    pub(super) starts_at_t_min: bool,
+    pub(in crate::intersect) starts_at_t_min: bool,
     /// 1/|direction| of the caller's ray.
     pub(super) per_unit: f64,
-    pub(super) inside: bool,
+    pub(in crate::intersect) inside: bool,
     /// Whether the field, not the caller, says that the ray starts on this side.
-    pub(super) side_is_proven: bool,
+    pub(in crate::intersect) side_is_proven: bool,
 }
 
 impl LocalRay {
     /// The stretch as the slab test wants it.
-    pub(super) fn slab_ray(&self) -> SlabRay {
+    pub(in crate::intersect) fn slab_ray(&self) -> SlabRay {
         SlabRay::new(
             self.origin.as_vec3().to_array(),
             self.direction.as_vec3().to_array(),
@@ -37,18 +39,26 @@ impl LocalRay {
     }
 
     /// The caller's parameter of a point `along` the stretch.
-    pub(super) fn parameter(&self, ray: &Ray, along: f64) -> f64 {
+    pub(in crate::intersect) fn parameter(&self, ray: &Ray, along: f64) -> f64 {
         ((self.t_start + along) * self.per_unit).clamp(ray.t_min, ray.t_max)
     }
 }
 
-/// Clips the ray against the cells' box in f64, so that f32 never sees a far origin.
+/// The ray as `cells` sees it; see [`clipped`].
 pub(super) fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<LocalRay> {
-    let bounds = cells.bounds?;
+    clipped(&blobs.field, cells.bounds?, ray)
+}
+
+/// Clips the ray in f64 against the local box around all surface, so that f32 never sees a far origin.
+pub(in crate::intersect) fn clipped(
+    field: &BlobField,
+    bounds: Aabb,
+    ray: &Ray,
+) -> Option<LocalRay> {
     let length = ray.direction.length();
     let per_unit = length.recip();
     let direction = ray.direction * per_unit;
-    let origin = ray.origin - blobs.field.origin;
+    let origin = ray.origin - field.origin;
     let (t_min, t_max) = (ray.t_min * length, ray.t_max * length);
     let (mut enter, mut leave) = (t_min, t_max);
     let inverse = direction.recip();
@@ -74,7 +84,7 @@ pub(super) fn local_ray(blobs: &Blobs, cells: &Cells, ray: &Ray) -> Option<Local
         Side::Inside => true,
         Side::Outside => false,
         // The box holds all surface, so outside it the field lies below the threshold.
-        Side::Unknown => starts_at_t_min && blobs.field.side(start) == Side::Inside,
+        Side::Unknown => starts_at_t_min && field.side(start) == Side::Inside,
     };
     Some(LocalRay {
         origin: origin + direction * enter,

@@ -1,9 +1,9 @@
 //! Engine `cells`: visits the pierced leaves in order; in each gathers the blobs that the segment
 //! meets and solves for the first change of side.
 
-mod gather;
-mod gradient;
-mod local;
+pub(super) mod gather;
+pub(super) mod gradient;
+pub(super) mod local;
 mod packet;
 mod solve;
 mod start;
@@ -205,7 +205,7 @@ macro_rules! specialised {
     };
 }
 
-use specialised;
+pub(super) use specialised;
 
 fn find(
     blobs: &Blobs,
