@@ -92,7 +92,6 @@ fn tallies(engine: Engine, settings: EngineSettings, level: Level) -> Vec<(&'sta
 fn check(engine: Engine, settings: EngineSettings, level: Level) {
     for (kind, (name, tally)) in RAY_KINDS.iter().zip(tallies(engine, settings, level)) {
         let rate = tally.real_errors() as f64 / tally.rays as f64;
-        println!("{} {name}: {rate:.5} {:?}", engine.name(), tally.wrong);
         assert!(rate <= kind.allowed, "{engine:?} {name}: {rate} {tally}");
         assert!(tally.hits > 500, "{engine:?} {name}: {tally}");
     }

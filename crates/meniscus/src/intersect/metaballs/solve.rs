@@ -11,6 +11,9 @@ use fearless_simd::{Simd, f32x16, mask32x16};
 /// Steps of the secant method at most.
 const MAX_STEPS: usize = 40;
 
+/// Places tried by [`Search::step_off`].
+const OFF_STEPS: usize = 8;
+
 /// What to look for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Search {
@@ -127,20 +130,47 @@ impl Search {
         (last >= 0.0).then_some(last)
     }
 
-    /// The crossing before `beyond`, the first point on the other side. The point before it bounds it
-    /// on the left; there is none where the ray enters the leaf on the other side already.
+    /// The first of some places behind `from`, each twice as far as the one before, where the field is
+    /// not beyond: how a ray gets away from its own start.
+    #[inline(always)]
+    pub(super) fn step_off<S: Simd, K: KernelShape>(
+        &self,
+        simd: S,
+        active: &Active,
+        from: f32,
+        step: f32,
+        length: f32,
+    ) -> Option<f32> {
+        let mut off = step;
+        for _ in 0..OFF_STEPS {
+            let s = from + off;
+            if s >= length {
+                return None;
+            }
+            if (value_at::<S, K>(simd, active, s) > self.threshold) == self.inside {
+                return Some(s);
+            }
+            off *= 2.0;
+        }
+        self.nearest(simd, active, from + off, false)
+    }
+
+    /// The crossing before `beyond`, the first point from `from` on that is on the other side. The point
+    /// before it bounds it on the left; there is none where the ray enters the leaf on the other side
+    /// already.
     #[inline(always)]
     pub(super) fn crossing<S: Simd, K: KernelShape>(
         &self,
         simd: S,
         active: &Active,
+        from: f32,
         beyond: f32,
     ) -> f32 {
         let Some(before) = self.last_before(simd, active, beyond) else {
             return beyond;
         };
         let excess = |s: f32| value_at::<S, K>(simd, active, s) - self.threshold;
-        let (mut a, mut b) = (before, beyond);
+        let (mut a, mut b) = (before.max(from), beyond);
         let (mut fa, mut fb) = (excess(a), excess(b));
         if (fa > 0.0) == (fb > 0.0) {
             return b; // both are rounding about T
