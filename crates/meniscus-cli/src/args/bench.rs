@@ -13,6 +13,9 @@ Passes: primary (one ray per pixel centre), shadow (towards the light, where the
 hemisphere (one cosine-distributed ray per hit, in pixel order), shuffled (the same in random order).
 A pass counts ray generation, traversal, hit point and normal. Figures are medians over the repeats.
 
+meniscus bench paper [TABLE] repeats the tables gourmel-1, gourmel-3, gourmel-4 and gourmel-5 (Gourmel
+et al. 2010) and prints the paper's ratios beside ours.
+
 Examples:
   meniscus bench pool.toml
   meniscus bench fluid.vtk --json --size 1920x1080 --threads 1

@@ -1,5 +1,6 @@
 //! `meniscus bench`: how fast rays are traced.
 
+mod paper;
 mod passes;
 
 use crate::args::bench::BenchArgs;
@@ -75,8 +76,10 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         )));
     }
     let inputs = match &args.inputs[..] {
-        [paper, ..] if paper.as_os_str() == "paper" => {
-            return Err(Failure::not_yet("bench paper", "bench INPUT"));
+        [paper, table @ ..] if paper.as_os_str() == "paper" && table.len() <= 1 => {
+            let table = table.first().map(|table| table.to_string_lossy());
+            let engine = EngineChoice::new(&args.engine)?;
+            return paper::run(table.as_deref(), &engine, args.repeats, &reporter);
         }
         [only] => std::slice::from_ref(only),
         _ => return Err(Failure::wrong("bench takes one input")),
