@@ -1,7 +1,7 @@
 //! Grows both trees from the top (Algorithms 1 and 2 of the paper), keeping track of split metaballs.
 
 use super::fit::{Member, Overlap, discard, fitted, surface_reach};
-use super::split::{self, Plane, leaf_cost};
+use super::split::{self, Plane, leaf_cost, node_cost};
 use super::{Boxes, MAX_DEPTH};
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
@@ -132,12 +132,13 @@ impl<'a> Builder<'a> {
             return None;
         }
         let cost = self.settings.cost;
-        let as_leaf = part.bounds.half_area() * leaf_cost(cost, part.count());
+        let worth = leaf_cost(cost, part.count()) - node_cost(cost);
+        let at_most = part.bounds.half_area() * worth;
         match self.boxes {
             Boxes::Disjoint => {
                 let fit = self.settings.fit;
                 let plane = split::disjoint(cost, fit, &part.own, &part.split, part.bounds)
-                    .filter(|plane| plane.cost < as_leaf)?;
+                    .filter(|plane| plane.cost < at_most)?;
                 Some(self.cut(part, plane).map(|child| self.trimmed(child)))
             }
             Boxes::Overlapping => {
@@ -145,7 +146,7 @@ impl<'a> Builder<'a> {
                 let children = self.parted(part, plane)?;
                 let priced =
                     |child: &Part| child.bounds.half_area() * leaf_cost(cost, child.count());
-                (priced(&children[0]) + priced(&children[1]) < as_leaf).then(|| children.map(Some))
+                (priced(&children[0]) + priced(&children[1]) < at_most).then(|| children.map(Some))
             }
         }
     }

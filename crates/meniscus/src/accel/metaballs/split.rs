@@ -4,6 +4,7 @@
 use super::fit::Member;
 use crate::math::aabb::Aabb;
 use crate::scene::LeafCost;
+use glam::Vec3;
 
 /// Bins per axis.
 const BINS: usize = 16;
@@ -11,6 +12,10 @@ const BINS: usize = 16;
 /// Disjoint children take at least this many bins of their parent: slivers, which the plain heuristic
 /// likes where supports are much larger than boxes, multiply the tree and gain nothing.
 const THINNEST: usize = 3;
+
+/// Boxes narrower than this, in half extents of the smallest support in them, are not cut across. Boxes
+/// fitted to where a surface barely enters are slivers of no width, which cuts divide at no cost in area.
+const NARROW: f32 = 0.5;
 
 /// A plane that parts a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +32,15 @@ pub(super) fn leaf_cost(cost: LeafCost, count: usize) -> f32 {
     match cost {
         LeafCost::N => n,
         LeafCost::N2 => n * n,
+    }
+}
+
+/// Cost of visiting a node with two children, in units of [`leaf_cost`]. The paper states none; without
+/// one, trees of a handful of metaballs per point are split without end.
+pub(super) fn node_cost(cost: LeafCost) -> f32 {
+    match cost {
+        LeafCost::N => 1.0,
+        LeafCost::N2 => 16.0,
     }
 }
 
@@ -139,7 +153,11 @@ pub(super) fn disjoint(
     split: &[Member],
     bounds: Aabb,
 ) -> Option<Plane> {
+    let smallest = (own.iter().chain(split)).fold(Vec3::INFINITY, |least, m| least.min(m.half));
     let along = |axis: usize| {
+        if bounds.size()[axis] < NARROW * smallest[axis] {
+            return None;
+        }
         let mut bins = Bins::new(bounds.min[axis], bounds.max[axis])?;
         for member in own.iter().chain(split) {
             let around = member.support_box();

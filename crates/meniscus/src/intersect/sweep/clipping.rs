@@ -6,8 +6,8 @@
 use super::bezier::{Bezier, Piece};
 use crate::intersect::Counters;
 
-/// Pieces narrower than this are roots for Nishita's rule, which has no figure of its own for t: one
-/// that keeps t within a few thousandths of a spacing's thousandth.
+/// Pieces narrower than this are roots for Nishita's rule. The choice is ours: t is then far within
+/// the oracle's tolerance.
 const NISHITA_NARROW: f64 = 1e-6;
 /// A clip that leaves more than this is followed by halving (Nishita, Sederberg & Kakimoto 1990: the
 /// clip has to take away a fifth).
