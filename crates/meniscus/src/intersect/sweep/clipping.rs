@@ -97,7 +97,11 @@ mod tests {
     /// Π (u − rootᵢ), negative at 0.
     fn with_roots(roots: &[f64]) -> Bezier {
         let mut power = [0.0; MAX_COEFFICIENTS];
-        power[0] = if roots.len() % 2 == 0 { -1.0 } else { 1.0 };
+        power[0] = if roots.len().is_multiple_of(2) {
+            -1.0
+        } else {
+            1.0
+        };
         for (degree, root) in roots.iter().enumerate() {
             let before = power;
             for i in 0..=degree + 1 {

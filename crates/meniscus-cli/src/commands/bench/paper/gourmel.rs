@@ -111,6 +111,9 @@ pub(super) fn table_1(stage: &Stage<'_>) -> Outcome<String> {
     Ok(text)
 }
 
+/// What of the work is counted.
+type Count = fn(&Measured) -> u64;
+
 /// Traversals, intersection tests and metaballs considered per ray.
 pub(super) fn table_3(stage: &Stage<'_>) -> Outcome<String> {
     let set = stage.set(Generator::Tornado, 4_000)?;
@@ -120,7 +123,7 @@ pub(super) fn table_3(stage: &Stage<'_>) -> Outcome<String> {
          {:<24}{:>8}{:>8}{:>8}{:>10}\n",
         "", "BVH", "FBVH", "ratio", "paper's"
     );
-    let rows: [(&str, fn(&Measured) -> u64, [f64; 2]); 3] = [
+    let rows: [(&str, Count, [f64; 2]); 3] = [
         ("node traversals", |m| m.counters.nodes, [9.3, 6.2]),
         ("intersection tests", |m| m.counters.leaves, [1.2, 0.5]),
         (

@@ -22,8 +22,11 @@ use std::time::Instant;
 /// Pixels of the paper's pictures.
 const SIZE: [u32; 2] = [640, 480];
 
+/// Measures a table and writes it.
+type Print = fn(&Stage<'_>) -> Outcome<String>;
+
 /// The tables by name.
-const TABLES: [(&str, fn(&Stage<'_>) -> Outcome<String>); 4] = [
+const TABLES: [(&str, Print); 4] = [
     ("gourmel-1", gourmel::table_1),
     ("gourmel-3", gourmel::table_3),
     ("gourmel-4", gourmel::table_4),
