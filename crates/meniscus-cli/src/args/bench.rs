@@ -4,7 +4,7 @@ use super::camera::CameraArgs;
 use super::engine::EngineArgs;
 use super::output::OutputArgs;
 use super::surface::SurfaceArgs;
-use super::values::Size;
+use super::values::{Setting, Size};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -13,9 +13,13 @@ Passes: primary (one ray per pixel centre), shadow (towards the light, where the
 hemisphere (one cosine-distributed ray per hit, in pixel order), shuffled (the same in random order).
 A pass counts ray generation, traversal, hit point and normal. Figures are medians over the repeats.
 
+meniscus bench paper [TABLE] repeats the tables gourmel-1, gourmel-3, gourmel-4 and gourmel-5 (Gourmel
+et al. 2010) and prints the paper's ratios beside ours.
+
 Examples:
   meniscus bench pool.toml
-  meniscus bench fluid.vtk --json --size 1920x1080 --threads 1";
+  meniscus bench fluid.vtk --json --size 1920x1080 --threads 1
+  meniscus bench pool.toml --engine fitted-bvh --set engine.fit=false";
 
 /// Options of `bench`.
 #[derive(Debug, Args)]
@@ -33,6 +37,13 @@ pub(crate) struct BenchArgs {
     /// Pixels of the primary pass
     #[arg(long, value_name = "WxH", default_value_t = Size([640, 480]))]
     pub size: Size,
+    /// Set any key of the scene, as in engine.cost=n (repeatable)
+    #[arg(
+        long = "set",
+        value_name = "key.path=value",
+        allow_hyphen_values = true
+    )]
+    pub settings: Vec<Setting>,
     /// Surface options.
     #[command(flatten)]
     pub surface: SurfaceArgs,

@@ -4,6 +4,7 @@ use super::camera::CameraArgs;
 use super::engine::EngineArgs;
 use super::output::OutputArgs;
 use super::surface::SurfaceArgs;
+use super::values::Setting;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -41,6 +42,13 @@ pub(crate) struct TraceArgs {
     /// Every crossing of every ray
     #[arg(long)]
     pub all: bool,
+    /// Set any key of the scene, as in engine.cost=n (repeatable)
+    #[arg(
+        long = "set",
+        value_name = "key.path=value",
+        allow_hyphen_values = true
+    )]
+    pub settings: Vec<Setting>,
     /// Surface options.
     #[command(flatten)]
     pub surface: SurfaceArgs,

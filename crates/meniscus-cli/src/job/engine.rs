@@ -7,14 +7,14 @@ use meniscus::frame::FrameSettings;
 use meniscus::math::simd::{SimdLevel, level_name};
 
 /// Engines that are announced and not there yet.
-const ENGINES_TO_COME: [&str; 3] = ["metaball-bvh", "fitted-bvh", "peel"];
+const ENGINES_TO_COME: [&str; 1] = ["peel"];
 /// Most threads that make sense to ask for.
 const MAX_THREADS: usize = 4096;
 
 /// A validated choice.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EngineChoice {
-    /// Engine and SIMD level.
+    /// Engine and SIMD level; the engine's switches come from the scene.
     pub frame: FrameSettings,
     /// Name of the level.
     pub simd: &'static str,
@@ -54,7 +54,11 @@ impl EngineChoice {
                 })?;
         }
         Ok(Self {
-            frame: FrameSettings { engine, level },
+            frame: FrameSettings {
+                engine,
+                level,
+                ..FrameSettings::default()
+            },
             simd: level_name(level),
             threads: rayon::current_num_threads(),
             device: "cpu",

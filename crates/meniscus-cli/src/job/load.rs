@@ -8,7 +8,7 @@ use crate::interrupt;
 use crate::progress::Reporter;
 use crate::report::{Excerpt, Message};
 use meniscus::field::{BlobField, FieldError, FieldReport};
-use meniscus::frame::Frame;
+use meniscus::frame::{Frame, FrameSettings};
 use meniscus::particles::io::{self, ParticleFile};
 use meniscus::scene::{BlobSettings, Scene};
 use std::path::Path;
@@ -109,7 +109,11 @@ pub(crate) fn build(
         reports.push(built.report);
         all_settings.push(settings);
     }
-    let frame = Frame::build(scene, fields, &engine.frame)
+    let settings = FrameSettings {
+        switches: scene.engine,
+        ..engine.frame
+    };
+    let frame = Frame::build(scene, fields, &settings)
         .map_err(|error| Failure::wrong(error.to_string()))?;
     Ok(LoadedFrame {
         frame,

@@ -2,12 +2,22 @@
 
 use crate::args::camera::CameraArgs;
 use crate::args::surface::SurfaceArgs;
+use crate::args::values::Setting;
 use crate::exit::{Failure, Outcome};
 use crate::report::{Excerpt, Message};
 use meniscus::kernel::Kernel;
 use meniscus::math::DVec3;
 use meniscus::scene::file::{SceneError, SceneErrorKind};
 use meniscus::scene::{Light, LightKind, Scene, Surface, Weights};
+
+/// Sets single keys of a scene.
+pub(crate) fn apply_settings(settings: &[Setting], scene: &mut Scene) -> Outcome {
+    settings.iter().try_for_each(|setting| {
+        scene
+            .set(&setting.path, &setting.value)
+            .map_err(scene_failure)
+    })
+}
 
 /// Applies the surface options to every surface.
 pub(crate) fn apply_surface(args: &SurfaceArgs, scene: &mut Scene) -> Outcome {

@@ -132,7 +132,6 @@ fn settings_out_of_range() {
 fn what_is_announced_and_not_there_yet_is_said() {
     let folder = Folder::with_water();
     for flags in [
-        "--engine fitted-bvh",
         "--engine peel",
         "--device gpu",
         "--shutter 0.5",
@@ -150,7 +149,7 @@ fn what_is_announced_and_not_there_yet_is_said() {
         let words = format!("render water.vtk -o out.exr --aov {channel}");
         folder.fails(&words, 2, &["not available yet", "depth"]);
     }
-    folder.fails("bench paper", 2, &["not available yet"]);
+    folder.fails("bench paper gourmel-9", 2, &["gourmel-1"]);
     folder.fails("render water.vtk -o out.png --device tpu", 2, &["cpu"]);
     folder.fails("render water.vtk -o out.png --engine magic", 2, &["cells"]);
 }

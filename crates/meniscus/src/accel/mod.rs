@@ -1,8 +1,12 @@
 //! Acceleration structures: boxes in, candidates out.
 
 pub mod cells;
+pub mod metaballs;
 pub mod particles;
 pub mod supports;
+
+use crate::scene::EngineSettings;
+use metaballs::MetaballTree;
 
 /// Which structure and solver answers rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -14,13 +18,24 @@ pub enum Engine {
     Particles,
     /// Interval refinement over the particles; see [`particles`].
     Interval,
+    /// Metaballs in a tree of overlapping boxes (Gourmel et al. 2010, §4); see [`metaballs`].
+    MetaballBvh,
+    /// Metaballs in a tree of disjoint boxes (Gourmel et al. 2010, §5); see [`metaballs`].
+    FittedBvh,
     /// All supports along the ray, sorted, one Bézier polynomial per interval; see [`supports`].
     Sweep,
 }
 
 impl Engine {
     /// Every engine.
-    pub const ALL: [Self; 4] = [Self::Cells, Self::Particles, Self::Interval, Self::Sweep];
+    pub const ALL: [Self; 6] = [
+        Self::Cells,
+        Self::Particles,
+        Self::Interval,
+        Self::MetaballBvh,
+        Self::FittedBvh,
+        Self::Sweep,
+    ];
 
     /// The name in files and flags.
     pub fn name(self) -> &'static str {
@@ -28,6 +43,8 @@ impl Engine {
             Self::Cells => "cells",
             Self::Particles => "particles",
             Self::Interval => "interval",
+            Self::MetaballBvh => "metaball-bvh",
+            Self::FittedBvh => "fitted-bvh",
             Self::Sweep => "sweep",
         }
     }
@@ -47,17 +64,26 @@ pub enum Accel {
     Particles(particles::ParticleTree),
     /// For [`Engine::Interval`].
     Interval(particles::ParticleTree),
+    /// For [`Engine::MetaballBvh`] and [`Engine::FittedBvh`].
+    Metaballs(metaballs::MetaballTree),
     /// For [`Engine::Sweep`].
     Sweep(supports::SupportTree),
 }
 
 impl Accel {
     /// Builds the structure.
-    pub fn build(engine: Engine, field: &crate::field::BlobField) -> Self {
+    pub fn build(
+        engine: Engine,
+        field: &crate::field::BlobField,
+        settings: &EngineSettings,
+    ) -> Self {
+        let metaballs = |boxes| MetaballTree::build(field, boxes, settings);
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field)),
             Engine::Particles => Self::Particles(particle_tree(field)),
             Engine::Interval => Self::Interval(particle_tree(field)),
+            Engine::MetaballBvh => Self::Metaballs(metaballs(metaballs::Boxes::Overlapping)),
+            Engine::FittedBvh => Self::Metaballs(metaballs(metaballs::Boxes::Disjoint)),
             Engine::Sweep => Self::Sweep(supports::SupportTree::build(field)),
         }
     }
@@ -68,6 +94,10 @@ impl Accel {
             Self::Cells(_) => Engine::Cells,
             Self::Particles(_) => Engine::Particles,
             Self::Interval(_) => Engine::Interval,
+            Self::Metaballs(tree) => match tree.boxes {
+                metaballs::Boxes::Overlapping => Engine::MetaballBvh,
+                metaballs::Boxes::Disjoint => Engine::FittedBvh,
+            },
             Self::Sweep(_) => Engine::Sweep,
         }
     }
@@ -77,6 +107,7 @@ impl Accel {
         match self {
             Self::Cells(cells) => cells.structure_bytes(),
             Self::Particles(tree) | Self::Interval(tree) => tree.structure_bytes(),
+            Self::Metaballs(tree) => tree.structure_bytes(),
             Self::Sweep(tree) => tree.structure_bytes(),
         }
     }

@@ -6,7 +6,7 @@ use crate::accel::Engine;
 use crate::field::{BlobField, FieldAttribute};
 use crate::math::simd::Level;
 use crate::scene::attribute::{AttributeRef, Component};
-use crate::scene::{self, LightKind, Scene, Surface};
+use crate::scene::{self, EngineSettings, LightKind, Scene, Surface};
 use glam::{DAffine3, DVec3};
 
 /// How a frame's surfaces are traced.
@@ -14,6 +14,8 @@ use glam::{DAffine3, DVec3};
 pub struct FrameSettings {
     /// The engine.
     pub engine: Engine,
+    /// Its switches; [`Scene::engine`] holds what the scene says.
+    pub switches: EngineSettings,
     /// The SIMD level.
     pub level: Level,
 }
@@ -22,6 +24,7 @@ impl Default for FrameSettings {
     fn default() -> Self {
         Self {
             engine: Engine::default(),
+            switches: EngineSettings::default(),
             level: Level::new(),
         }
     }
@@ -151,7 +154,7 @@ impl Frame {
             self.instances
                 .push(Instance::new(geometry, placement.matrix.0, material));
         }
-        let blobs = Blobs::build(field, settings.engine, settings.level);
+        let blobs = Blobs::build_with(field, settings.engine, settings.switches, settings.level);
         self.geometries.push(Geometry::Blobs(Box::new(blobs)));
         Ok(())
     }

@@ -14,7 +14,7 @@ use crate::accel::supports::SupportTree;
 use crate::accel::{Accel, Engine};
 use crate::field::BlobField;
 use crate::math::simd::Level;
-use crate::scene::Background;
+use crate::scene::{Background, EngineSettings};
 use glam::{DAffine3, DVec3};
 use std::sync::OnceLock;
 
@@ -25,6 +25,8 @@ pub struct Blobs {
     pub field: BlobField,
     /// Its acceleration structure.
     pub accel: Accel,
+    /// Switches of the engine.
+    pub settings: EngineSettings,
     /// The SIMD level that rays run on.
     pub level: Level,
     /// For rays that need float64 whatever the engine; built when the first one comes.
@@ -32,12 +34,23 @@ pub struct Blobs {
 }
 
 impl Blobs {
-    /// Builds the structure of `field` for `engine`.
+    /// Builds the structure of `field` for `engine` with its default switches.
     pub fn build(field: BlobField, engine: Engine, level: Level) -> Self {
-        let accel = Accel::build(engine, &field);
+        Self::build_with(field, engine, EngineSettings::default(), level)
+    }
+
+    /// Builds the structure of `field` for `engine`.
+    pub fn build_with(
+        field: BlobField,
+        engine: Engine,
+        settings: EngineSettings,
+        level: Level,
+    ) -> Self {
+        let accel = Accel::build(engine, &field, &settings);
         Self {
             field,
             accel,
+            settings,
             level,
             exact: OnceLock::new(),
         }
@@ -47,14 +60,19 @@ impl Blobs {
     /// over the supports.
     pub fn structure_bytes(&self) -> usize {
         let exact = self.exact.get().map_or(0, SupportTree::structure_bytes);
-        self.accel.structure_bytes() + self.field.search.bytes() + exact
+        let search = match &self.accel {
+            // They are refined from it.
+            Accel::Cells(_) => self.field.search.bytes(),
+            _ => 0,
+        };
+        self.accel.structure_bytes() + search + exact
     }
 
     /// Time that threads have spent on refining the structure for rays, summed over them.
     pub fn refinement_secs(&self) -> f64 {
         match &self.accel {
             Accel::Cells(cells) => cells.refinement_secs(),
-            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => 0.0,
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Metaballs(_) | Accel::Sweep(_) => 0.0,
         }
     }
 
@@ -62,7 +80,7 @@ impl Blobs {
     pub fn exact_tree(&self) -> &SupportTree {
         match &self.accel {
             Accel::Sweep(tree) => tree,
-            Accel::Cells(_) | Accel::Particles(_) | Accel::Interval(_) => {
+            Accel::Cells(_) | Accel::Particles(_) | Accel::Interval(_) | Accel::Metaballs(_) => {
                 self.exact.get_or_init(|| SupportTree::build(&self.field))
             }
         }

@@ -2,6 +2,7 @@
 
 pub mod cells;
 pub mod interval;
+pub mod metaballs;
 pub mod particles;
 mod solve;
 pub mod sweep;
@@ -22,6 +23,13 @@ pub struct Counters {
     pub leaves: u64,
     /// Blobs tested against a ray segment in leaves.
     pub blob_evaluations: u64,
+    /// Engine `sweep`: polynomials searched for a root.
+    pub polynomials: u64,
+    /// Engine `sweep`: clips and halvings in those searches.
+    pub clip_iterations: u64,
+    /// Engine `sweep` with a paper's clipping rule: searches that ended at the limit of iterations or
+    /// of the stack, so that a root may be lost.
+    pub clip_failures: u64,
 }
 
 impl std::ops::AddAssign for Counters {
@@ -30,6 +38,9 @@ impl std::ops::AddAssign for Counters {
         self.nodes += other.nodes;
         self.leaves += other.leaves;
         self.blob_evaluations += other.blob_evaluations;
+        self.polynomials += other.polynomials;
+        self.clip_iterations += other.clip_iterations;
+        self.clip_failures += other.clip_failures;
     }
 }
 
@@ -42,6 +53,8 @@ pub struct Scratch {
     pub cells: cells::CellsScratch,
     /// Of engines `particles` and `interval`.
     pub particles: particles::ParticlesScratch,
+    /// Of engines `metaball-bvh` and `fitted-bvh`.
+    pub metaballs: metaballs::MetaballScratch,
     /// Of engine `sweep`.
     pub sweep: sweep::SweepScratch,
     object_rays: ObjectRays,
@@ -106,6 +119,7 @@ impl Blobs {
             Accel::Cells(cells) => cells::closest(self, cells, ray, scratch),
             Accel::Particles(tree) => particles::closest(self, tree, ray, scratch),
             Accel::Interval(tree) => interval::closest(self, tree, ray, scratch),
+            Accel::Metaballs(tree) => metaballs::closest(self, tree, ray, scratch),
             Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch),
         }
     }
@@ -119,6 +133,7 @@ impl Blobs {
             Accel::Cells(cells) => cells::occluded(self, cells, ray, scratch),
             Accel::Particles(tree) => particles::occluded(self, tree, ray, scratch),
             Accel::Interval(tree) => interval::occluded(self, tree, ray, scratch),
+            Accel::Metaballs(tree) => metaballs::occluded(self, tree, ray, scratch),
             Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch).is_some(),
         }
     }
@@ -132,7 +147,7 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::closest_many(self, cells, rays, hits, scratch),
-            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => {
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Metaballs(_) | Accel::Sweep(_) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.closest(ray, scratch);
                 }
@@ -149,7 +164,7 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::occluded_many(self, cells, rays, hits, scratch),
-            Accel::Particles(_) | Accel::Interval(_) | Accel::Sweep(_) => {
+            Accel::Particles(_) | Accel::Interval(_) | Accel::Metaballs(_) | Accel::Sweep(_) => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.occluded(ray, scratch);
                 }

@@ -8,17 +8,20 @@
 //! are of order one.
 
 mod bezier;
+mod clipping;
 mod events;
 
-use super::{BlobHit, Crossing, Scratch};
+use super::{BlobHit, Counters, Crossing, Scratch};
+use crate::accel::Accel;
 use crate::accel::supports::{Segment, SupportTree};
 use crate::field::BlobField;
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::number::F64;
 use crate::math::ray::{Ray, Side};
+use crate::scene::Clipping;
 use crate::with_kernel;
-use bezier::{Piece, first_rise, kernel_of};
+use bezier::{Bezier, Piece, first_rise, kernel_of};
 use events::{Active, EventQueue};
 use glam::DVec3;
 
@@ -90,11 +93,19 @@ fn sweep(
     scratch: &mut Scratch,
     visit: impl FnMut(Crossing, DVec3, &[Active]) -> bool,
 ) {
-    with_kernel!(blobs.field.kernel, K => sweep_with::<K>(&blobs.field, tree, ray, scratch, visit));
+    // The papers' rules are for comparison: rays of other engines that need float64 need it right.
+    let rule = match blobs.accel {
+        Accel::Sweep(_) => blobs.settings.clipping,
+        _ => Clipping::Own,
+    };
+    with_kernel!(blobs.field.kernel, K => {
+        sweep_with::<K>(&blobs.field, rule, tree, ray, scratch, visit);
+    });
 }
 
 fn sweep_with<K: KernelShape>(
     field: &BlobField,
+    rule: Clipping,
     tree: &SupportTree,
     ray: &Ray,
     scratch: &mut Scratch,
@@ -120,18 +131,22 @@ fn sweep_with<K: KernelShape>(
     segment.start -= near;
     segment.end -= near;
 
-    let SweepScratch {
-        queue,
-        active,
-        pieces,
-    } = &mut scratch.sweep;
+    let Scratch {
+        sweep: SweepScratch {
+            queue,
+            active,
+            pieces,
+        },
+        counters,
+        ..
+    } = scratch;
     queue.start(tree, segment);
     active.clear();
     let threshold = f64::from(field.threshold);
     let mut state = None;
     let mut from = segment.start;
     loop {
-        let event = queue.next(tree, field, &mut scratch.counters);
+        let event = queue.next(tree, field, counters);
         let to = event.map_or(segment.end, |event| event.s.min(segment.end));
         if to > from {
             let state =
@@ -141,7 +156,12 @@ fn sweep_with<K: KernelShape>(
                 let position = segment.origin + segment.direction * s;
                 visit(Crossing { t, entering }, position, active)
             };
-            if !interval::<K>(threshold, active, (from, to), state, pieces, report) {
+            let mut solver = RootFinder {
+                rule,
+                pieces: &mut *pieces,
+                counters: &mut *counters,
+            };
+            if !interval::<K>(threshold, active, (from, to), state, &mut solver, report) {
                 return;
             }
             from = to;
@@ -187,25 +207,47 @@ impl State {
     }
 }
 
+/// How roots are found, with what that takes.
+struct RootFinder<'a> {
+    rule: Clipping,
+    pieces: &'a mut Vec<Piece>,
+    counters: &'a mut Counters,
+}
+
+impl RootFinder<'_> {
+    /// Where the curve first turns positive. The papers' rules look for any change of sign.
+    fn first_rise(&mut self, curve: &Bezier, noise: f64) -> Option<f64> {
+        self.counters.polynomials += 1;
+        match self.rule {
+            Clipping::Own => first_rise(curve, noise, self.pieces, self.counters),
+            Clipping::Nishita => clipping::nishita(curve, self.pieces, self.counters),
+            Clipping::Kanamori => clipping::kanamori(curve, self.pieces, self.counters),
+        }
+    }
+}
+
 /// Reports the crossings in the interval `[from, to]`; false when `report` wants no more.
 fn interval<K: KernelShape>(
     threshold: f64,
     active: &[Active],
     (from, to): (f64, f64),
     state: &mut State,
-    pieces: &mut Vec<Piece>,
+    solver: &mut RootFinder<'_>,
     mut report: impl FnMut(f64, bool) -> bool,
 ) -> bool {
     let noise = SUM_ERROR * (threshold.abs() + active.iter().map(|b| b.weight.abs()).sum::<f64>());
     if stays::<K>(threshold, active, (from, to), state.is_above(), noise) {
         return true;
     }
+    if let ([blob], true) = (active, solver.rule != Clipping::Own) {
+        return alone::<K>(threshold, blob, (from, to), state, report);
+    }
     let mut curve = bezier::expand::<K>(threshold, active, (from, to));
     if state.is_above() {
         curve = curve.negated();
     }
     let mut low = 0.0;
-    while let Some(u) = first_rise(&curve, noise, pieces) {
+    while let Some(u) = solver.first_rise(&curve, noise) {
         low += (1.0 - low) * u;
         if state.returning {
             state.returning = false;
@@ -221,6 +263,37 @@ fn interval<K: KernelShape>(
         }
         curve = curve.split(u).1.negated();
         curve.c[0] = curve.c[0].min(0.0);
+    }
+    true
+}
+
+/// Reports the crossings of a single blob's surface, a ball or an ellipsoid: the papers' single case,
+/// in closed form.
+fn alone<K: KernelShape>(
+    threshold: f64,
+    blob: &Active,
+    (from, to): (f64, f64),
+    state: &mut State,
+    mut report: impl FnMut(f64, bool) -> bool,
+) -> bool {
+    let level = threshold / blob.weight;
+    if !(level > 0.0 && level < 1.0) {
+        return true;
+    }
+    // Not a number where the ray misses the surface: then no comparison below holds.
+    let half = ((blob.g0 - K::g_at(level)) / blob.beta).sqrt();
+    for (s, entering) in [(blob.center - half, true), (blob.center + half, false)] {
+        if !(from <= s && s <= to) || state.is_above() == entering {
+            continue;
+        }
+        if state.returning {
+            state.returning = false;
+            continue;
+        }
+        state.inside = entering;
+        if !report(s, entering) {
+            return false;
+        }
     }
     true
 }

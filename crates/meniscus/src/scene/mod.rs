@@ -9,6 +9,7 @@ pub mod attribute;
 pub mod camera;
 pub mod color;
 pub mod colormap;
+pub mod engine;
 pub mod file;
 pub mod film;
 pub mod generate;
@@ -23,6 +24,7 @@ mod validate;
 pub use camera::{CameraSettings, Up};
 pub use color::Color;
 pub use colormap::ColorMap;
+pub use engine::{Clipping, EngineSettings, LeafCost};
 pub use file::{SceneError, SceneErrorKind};
 pub use film::{Background, FilmSettings};
 pub use integrator::{IntegratorKind, IntegratorSettings};
@@ -49,6 +51,9 @@ pub struct Scene {
     pub film: FilmSettings,
     /// `[integrator]`: how light is gathered.
     pub integrator: IntegratorSettings,
+    /// `[engine]`: switches of the papers' engines.
+    #[serde(skip_serializing_if = "EngineSettings::is_default")]
+    pub engine: EngineSettings,
     /// `[[surface]]`: implicit surfaces, each from a particle file.
     #[serde(rename = "surface", skip_serializing_if = "Vec::is_empty")]
     pub surfaces: Vec<Surface>,

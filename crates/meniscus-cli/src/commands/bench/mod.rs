@@ -1,5 +1,6 @@
 //! `meniscus bench`: how fast rays are traced.
 
+mod paper;
 mod passes;
 
 use crate::args::bench::BenchArgs;
@@ -8,9 +9,11 @@ use crate::interrupt;
 use crate::job::engine::EngineChoice;
 use crate::job::input;
 use crate::job::load::{self, LoadedFrame, ReadFrame};
-use crate::job::scene::{apply_camera, apply_surface, scene_failure};
+use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::progress::Reporter;
+use meniscus::accel::Engine;
 use meniscus::frame::Light;
+use meniscus::intersect::Counters;
 use meniscus::math::DVec3;
 use meniscus::scene::Scene;
 use meniscus::scene::camera::Camera;
@@ -37,6 +40,27 @@ struct BenchReport {
     nodes_per_ray: f64,
     leaves_per_ray: f64,
     blob_evaluations_per_ray: f64,
+    #[serde(flatten)]
+    clipping: Option<ClippingFigures>,
+}
+
+/// What engine `sweep` adds, per primary ray or polynomial.
+#[derive(Debug, Serialize)]
+struct ClippingFigures {
+    polynomials_per_ray: f64,
+    clip_iterations_per_polynomial: f64,
+    clip_failures: u64,
+}
+
+impl ClippingFigures {
+    fn of(counters: &Counters) -> Self {
+        Self {
+            polynomials_per_ray: counters.polynomials as f64 / counters.rays.max(1) as f64,
+            clip_iterations_per_polynomial: counters.clip_iterations as f64
+                / counters.polynomials.max(1) as f64,
+            clip_failures: counters.clip_failures,
+        }
+    }
 }
 
 /// Most repeats that make sense to ask for.
@@ -52,14 +76,17 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         )));
     }
     let inputs = match &args.inputs[..] {
-        [paper, ..] if paper.as_os_str() == "paper" => {
-            return Err(Failure::not_yet("bench paper", "bench INPUT"));
+        [paper, table @ ..] if paper.as_os_str() == "paper" && table.len() <= 1 => {
+            let table = table.first().map(|table| table.to_string_lossy());
+            let engine = EngineChoice::new(&args.engine)?;
+            return paper::run(table.as_deref(), &engine, args.repeats, &reporter);
         }
         [only] => std::slice::from_ref(only),
         _ => return Err(Failure::wrong("bench takes one input")),
     };
     let engine = EngineChoice::new(&args.engine)?;
     let edit = |scene: &mut Scene| {
+        apply_settings(&args.settings, scene)?;
         apply_surface(&args.surface, scene)?;
         apply_camera(&args.camera, scene)?;
         // Only surfaces are measured.
@@ -130,6 +157,8 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         nodes_per_ray: measured.counters.nodes as f64 / rays,
         leaves_per_ray: measured.counters.leaves as f64 / rays,
         blob_evaluations_per_ray: measured.counters.blob_evaluations as f64 / rays,
+        clipping: (engine.frame.engine == Engine::Sweep)
+            .then(|| ClippingFigures::of(&measured.counters)),
     };
     reporter.finish();
     let text = if args.json {
@@ -173,8 +202,17 @@ fn table(report: &BenchReport) -> String {
             pass.hit_fraction * 100.0
         );
     }
-    text + &format!(
+    text += &format!(
         "per primary ray: {:.2} nodes, {:.2} leaves, {:.1} blobs",
         report.nodes_per_ray, report.leaves_per_ray, report.blob_evaluations_per_ray
-    )
+    );
+    if let Some(clipping) = &report.clipping {
+        text += &format!(
+            ", {:.2} polynomials\n{:.2} iterations per polynomial, {} failures",
+            clipping.polynomials_per_ray,
+            clipping.clip_iterations_per_polynomial,
+            clipping.clip_failures
+        );
+    }
+    text
 }

@@ -88,17 +88,32 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
 }
 
 impl Bench<'_> {
+    /// Measures primary rays alone.
+    pub(crate) fn primary(&self) -> Outcome<(PassFigures, Counters)> {
+        let [width, height] = self.camera.size;
+        let pixels = in_blocks(width, height);
+        let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
+            self.frame.closest_hits(rays, hits, scratch);
+        };
+        let primary_ray = |pixel: &u32| self.primary_ray(*pixel);
+        let (figures, _, counters) = self.pass(0, &pixels, primary_ray, closest)?;
+        Ok((figures, counters))
+    }
+
+    /// The ray through the centre of a pixel.
+    fn primary_ray(&self, pixel: u32) -> Ray {
+        let (x, y) = (pixel % self.camera.size[0], pixel / self.camera.size[0]);
+        self.camera.ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
+    }
+
     /// Measures all passes.
     pub(crate) fn run(&self) -> Outcome<Measured> {
         let [width, height] = self.camera.size;
         let pixels = in_blocks(width, height);
-        let primary_ray = |&pixel: &u32| {
-            let (x, y) = (pixel % width, pixel / width);
-            self.camera.ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
-        };
         let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
             self.frame.closest_hits(rays, hits, scratch);
         };
+        let primary_ray = |pixel: &u32| self.primary_ray(*pixel);
         let (primary, hits, counters) = self.pass(0, &pixels, primary_ray, closest)?;
 
         let starts: Vec<Start> = hits

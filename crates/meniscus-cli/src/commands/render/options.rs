@@ -3,7 +3,7 @@
 use crate::args::render::RenderArgs;
 use crate::exit::{Failure, Outcome};
 use crate::job::output::{PictureFormat, without_number};
-use crate::job::scene::{apply_camera, apply_surface, scene_failure};
+use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::progress::Reporter;
 use meniscus::film::{AovStyle, BitDepth, CHANNELS, Region};
 use meniscus::particles::sequence::{FrameSelection, is_pattern};
@@ -144,11 +144,7 @@ pub(crate) fn selection(args: &RenderArgs) -> Outcome<Option<FrameSelection>> {
 /// Applies every option to a scene: single keys first, then the options of their own, and the preset
 /// to what is still open.
 pub(crate) fn edit_scene(args: &RenderArgs, format: PictureFormat, scene: &mut Scene) -> Outcome {
-    for setting in &args.settings {
-        scene
-            .set(&setting.path, &setting.value)
-            .map_err(scene_failure)?;
-    }
+    apply_settings(&args.settings, scene)?;
     apply_surface(&args.surface, scene)?;
     apply_camera(&args.camera, scene)?;
     apply_look(args, scene)?;

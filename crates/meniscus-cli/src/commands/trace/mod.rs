@@ -7,7 +7,7 @@ use crate::args::trace::TraceArgs;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
 use crate::job::engine::EngineChoice;
-use crate::job::scene::{apply_camera, apply_surface, scene_failure};
+use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::job::{files, input, load};
 use crate::progress::Reporter;
 use hits::{Answers, Question};
@@ -25,6 +25,7 @@ pub(crate) fn run(args: &TraceArgs) -> Outcome {
     }
     files::check_writable(&args.output)?;
     let edit = |scene: &mut Scene| {
+        apply_settings(&args.settings, scene)?;
         apply_surface(&args.surface, scene)?;
         apply_camera(&args.camera, scene)?;
         scene.validate().map_err(scene_failure)

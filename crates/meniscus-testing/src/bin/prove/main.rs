@@ -14,7 +14,8 @@ use meniscus::intersect::Scratch;
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
 use meniscus::math::simd::{SimdLevel, level_name};
-use meniscus_testing::corpus::Scene;
+use meniscus::scene::{EngineSettings, Scene};
+use meniscus_testing::corpus;
 use meniscus_testing::examine::{Question, Tally, examine};
 use meniscus_testing::oracle::Oracle;
 use meniscus_testing::rays::{self, SurfacePoint};
@@ -28,6 +29,9 @@ struct Arguments {
     /// The engine.
     #[arg(long, default_value = "cells", value_parser = engine)]
     engine: Engine,
+    /// Switches of the engine as in a scene file, such as engine.clipping=kanamori (repeatable).
+    #[arg(long = "set", value_name = "engine.KEY=VALUE")]
+    settings: Vec<String>,
     /// Ordinary rays (half primary, half hemisphere) over all scenes and kernels together; grazing
     /// rays come on top with a sixth of that, inside rays with two fifths.
     #[arg(long, default_value_t = 5_000_000)]
@@ -53,6 +57,19 @@ fn engine(name: &str) -> Result<Engine, String> {
     Engine::from_name(name).ok_or_else(|| format!("one of {:?}", Engine::ALL.map(Engine::name)))
 }
 
+fn switches(settings: &[String]) -> Result<EngineSettings, String> {
+    let mut scene = Scene::default();
+    for setting in settings {
+        let (key, value) = setting
+            .split_once('=')
+            .ok_or_else(|| format!("{setting}: expected engine.KEY=VALUE"))?;
+        scene
+            .set(key, value)
+            .map_err(|error| format!("{setting}: {error}"))?;
+    }
+    Ok(scene.engine)
+}
+
 fn kernel(name: &str) -> Result<Kernel, String> {
     Kernel::from_name(name).ok_or_else(|| format!("one of {:?}", Kernel::ALL.map(Kernel::name)))
 }
@@ -70,6 +87,13 @@ fn main() -> ExitCode {
     let Some(level) = arguments.simd.resolve() else {
         println!("this machine does not have the SIMD level");
         return ExitCode::from(2);
+    };
+    let switches = match switches(&arguments.settings) {
+        Ok(switches) => switches,
+        Err(reason) => {
+            println!("{reason}");
+            return ExitCode::from(2);
+        }
     };
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads)
@@ -118,7 +142,8 @@ fn main() -> ExitCode {
                     break;
                 }
             };
-            let blobs = Blobs::build(scene.field.clone(), arguments.engine, level);
+            let field = scene.field.clone();
+            let blobs = Blobs::build_with(field, arguments.engine, switches, level);
             for (kind, tally) in prove(&blobs, &scene, share, arguments.seed) {
                 print_row(&scene, kind, &tally);
                 match totals.iter_mut().find(|(known, _)| *known == kind) {
@@ -140,7 +165,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn print_row(scene: &Scene, kind: &str, tally: &Tally) {
+fn print_row(scene: &corpus::Scene, kind: &str, tally: &Tally) {
     println!(
         "| {} | {} | {kind} | {} | {} | {} | {:.1e} | {} |",
         scene.name,
@@ -157,7 +182,12 @@ fn print_row(scene: &Scene, kind: &str, tally: &Tally) {
 }
 
 /// All kinds of rays in one scene.
-fn prove(blobs: &Blobs, scene: &Scene, share: usize, seed: u64) -> Vec<(&'static str, Tally)> {
+fn prove(
+    blobs: &Blobs,
+    scene: &corpus::Scene,
+    share: usize,
+    seed: u64,
+) -> Vec<(&'static str, Tally)> {
     let oracle = Oracle::new(&scene.field);
     let towards_eye = [
         DVec3::new(0.55, 0.75, -1.0),

@@ -108,6 +108,13 @@ pub struct Columns {
 }
 
 impl Columns {
+    /// Every column is stored.
+    pub const ALL: Self = Self {
+        shape: None,
+        weight: None,
+        nowhere: 0.0,
+    };
+
     /// The first of the shape's columns, behind x, y and z.
     pub const SHAPE: usize = 3;
 

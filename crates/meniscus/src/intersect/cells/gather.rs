@@ -12,7 +12,7 @@ use fearless_simd::{Simd, f32x16};
 
 /// Column `k` of a chunk.
 #[inline(always)]
-pub(super) fn lanes<S: Simd>(simd: S, chunk: &[Block], k: usize) -> f32x16<S> {
+pub(in crate::intersect) fn lanes<S: Simd>(simd: S, chunk: &[Block], k: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &chunk[k].0)
 }
 

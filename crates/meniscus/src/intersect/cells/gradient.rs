@@ -1,7 +1,7 @@
 //! The field's gradient and strongest blob at a point of a leaf.
 
-use super::LeafView;
 use super::gather::{lanes, shape_lanes, weight_lanes};
+use crate::accel::cells::layout::{Block, Columns};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
@@ -12,9 +12,10 @@ use glam::DVec3;
 
 /// −∇F and the index of the blob with the largest |w·k| at `point` (leaf-relative).
 #[inline(always)]
-pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
+pub(in crate::intersect) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
-    leaf: &LeafView<'_>,
+    stored: &Columns,
+    chunks: &[Block],
     point: [f32; 3],
 ) -> (DVec3, u32) {
     let zero = f32x16::splat(simd, 0.0);
@@ -22,9 +23,8 @@ pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
     let mut sum = [zero; 3];
     let mut best = f32x16::splat(simd, -1.0);
     let mut best_index = u32x16::splat(simd, 0);
-    let stored = leaf.stored;
     let per_chunk = stored.blocks_per_chunk::<P>();
-    for chunk in leaf.chunks.chunks_exact(per_chunk) {
+    for chunk in chunks.chunks_exact(per_chunk) {
         let d = xyz(
             #[inline(always)]
             |k| point[k] - lanes(simd, chunk, k),

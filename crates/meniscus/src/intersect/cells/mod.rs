@@ -1,8 +1,8 @@
 //! Engine `cells`: visits the pierced leaves in order; in each gathers the blobs that the segment
 //! meets and solves for the first change of side.
 
-mod gather;
-mod gradient;
+pub(super) mod gather;
+pub(super) mod gradient;
 mod packet;
 
 use super::solve::{
@@ -296,6 +296,6 @@ fn gradient_at(blobs: &Blobs, leaf: &LeafView<'_>, at: DVec3) -> (DVec3, u32) {
     let point = (at - leaf.center()).as_vec3().to_array();
     specialised!(blobs, simd, K, P => simd.vectorize(
         #[inline(always)]
-        || gradient::outward_and_strongest::<_, K, P>(simd, leaf, point)
+        || gradient::outward_and_strongest::<_, K, P>(simd, leaf.stored, leaf.chunks, point)
     ))
 }

@@ -6,6 +6,7 @@
 //! narrower than [`NARROWEST`] is settled by its ends.
 
 use super::events::Active;
+use crate::intersect::Counters;
 use crate::kernel::KernelShape;
 
 /// Control values of the highest degree in use: 2·4, a parabola to the fourth power.
@@ -79,14 +80,14 @@ pub(super) fn kernel_of<K: KernelShape>(g: f64) -> f64 {
     K::IN_G.iter().rev().fold(0.0, |sum, &c| sum * g + c)
 }
 
-fn binomial(n: usize, k: usize) -> f64 {
+pub(super) fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |b, i| b * (n - i) as f64 / (i + 1) as f64)
 }
 
 /// Part of a curve.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
-    curve: Bezier,
+    pub(super) curve: Bezier,
     low: f64,
     high: f64,
 }
@@ -139,8 +140,16 @@ impl Bezier {
         rise.is_some_and(|at| at > 0 && self.coefficients()[at..].iter().all(|&c| c > 0.0))
     }
 
-    /// Where the hull of the control points meets the axis; both signs must occur.
-    fn hull_on_axis(&self) -> (f64, f64) {
+    /// How often the control values change sign, 0 counting as negative.
+    pub(super) fn sign_changes(&self) -> usize {
+        let signs = self.coefficients().windows(2);
+        signs
+            .filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0))
+            .count()
+    }
+
+    /// Where the hull of the control points meets the axis, widened by `margin`; both signs must occur.
+    pub(super) fn hull_on_axis(&self, margin: f64) -> (f64, f64) {
         let n = self.degree;
         let (mut low, mut high) = (1.0_f64, 0.0_f64);
         for i in 0..n {
@@ -153,7 +162,7 @@ impl Bezier {
                 }
             }
         }
-        (low - CLIP_MARGIN, high + CLIP_MARGIN)
+        (low - margin, high + margin)
     }
 
     /// The only root of a curve that rises once: Newton's method kept within the bracket.
@@ -187,6 +196,40 @@ impl Bezier {
 }
 
 impl Piece {
+    /// All of a curve.
+    pub(super) fn whole(curve: Bezier) -> Self {
+        Self {
+            curve,
+            low: 0.0,
+            high: 1.0,
+        }
+    }
+
+    /// Length in the whole curve's parameter.
+    pub(super) fn width(&self) -> f64 {
+        self.high - self.low
+    }
+
+    /// Middle in the whole curve's parameter.
+    pub(super) fn middle(&self) -> f64 {
+        0.5 * (self.low + self.high)
+    }
+
+    /// The part between `from` and `to` in [0, 1] of this piece, by de Casteljau's algorithm alone.
+    pub(super) fn part(&self, from: f64, to: f64) -> Self {
+        let rest = self.curve.split(from).1;
+        let share = if from < 1.0 {
+            (to - from) / (1.0 - from)
+        } else {
+            1.0
+        };
+        Self {
+            curve: rest.split(share).0,
+            low: self.low + from * self.width(),
+            high: self.low + to * self.width(),
+        }
+    }
+
     /// The part between `from` and `to` in [0, 1] of this piece, where the signs at both ends are
     /// known to be those of this piece's ends.
     fn clipped(&self, from: f64, to: f64) -> Self {
@@ -211,21 +254,23 @@ impl Piece {
 
 /// The first u in [0, 1] at which the curve turns positive by more than `noise`. The curve must start
 /// at or below `noise`; where it starts higher the answer is 0. A touch from below is no rise.
-pub(super) fn first_rise(curve: &Bezier, noise: f64, pieces: &mut Vec<Piece>) -> Option<f64> {
+pub(super) fn first_rise(
+    curve: &Bezier,
+    noise: f64,
+    pieces: &mut Vec<Piece>,
+    counters: &mut Counters,
+) -> Option<f64> {
     if curve.c[0] > noise {
         return Some(0.0);
     }
     let mut curve = *curve;
     curve.c[0] = curve.c[0].min(0.0);
     pieces.clear();
-    pieces.push(Piece {
-        curve,
-        low: 0.0,
-        high: 1.0,
-    });
+    pieces.push(Piece::whole(curve));
     // Each piece starts at or below 0; one that ends above 0 returns before any to its right is seen.
     while let Some(piece) = pieces.pop() {
         let Piece { curve, low, high } = piece;
+        counters.clip_iterations += 1;
         // A rise that falls back within the rounding error of the coefficients is a touch.
         let allowed = if curve.last() > 0.0 { 0.0 } else { noise };
         if curve.coefficients().iter().all(|&c| c <= allowed) {
@@ -240,7 +285,7 @@ pub(super) fn first_rise(curve: &Bezier, noise: f64, pieces: &mut Vec<Piece>) ->
             }
             continue;
         }
-        let (from, to) = curve.hull_on_axis();
+        let (from, to) = curve.hull_on_axis(CLIP_MARGIN);
         if to - from <= SLOW {
             pieces.push(piece.clipped(from, to));
             continue;

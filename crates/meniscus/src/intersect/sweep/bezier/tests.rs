@@ -1,4 +1,5 @@
 use super::{Active, Bezier, MAX_COEFFICIENTS, Piece, binomial, expand, first_rise, kernel_of};
+use crate::intersect::Counters;
 use crate::kernel::{KernelShape, Octic, Quartic, Sextic, Wyvill};
 
 /// −Π (u − rootᵢ)·sign, of the degree that many roots give.
@@ -22,7 +23,8 @@ fn with_roots(roots: &[f64], sign: f64) -> Bezier {
 }
 
 fn rise(curve: &Bezier) -> Option<f64> {
-    first_rise(curve, 1e-15, &mut Vec::<Piece>::new())
+    let mut counters = Counters::default();
+    first_rise(curve, 1e-15, &mut Vec::<Piece>::new(), &mut counters)
 }
 
 #[test]

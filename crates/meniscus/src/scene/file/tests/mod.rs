@@ -5,8 +5,8 @@ mod set;
 use super::*;
 use crate::kernel::Kernel;
 use crate::scene::{
-    Background, CameraSettings, Color, ColorMap, FilmSettings, Ground, Instance, Light, LightKind,
-    Material, Matrix, Plane, Surface, Up, Weights,
+    Background, CameraSettings, Clipping, Color, ColorMap, FilmSettings, Ground, Instance,
+    LeafCost, Light, LightKind, Material, Matrix, Plane, Surface, Up, Weights,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
@@ -28,6 +28,11 @@ background = "#ff8000"
 [integrator]
 type = "shaded"
 depth = 3
+
+[engine]
+cost = "n"
+fit = false
+clipping = "kanamori"
 
 [[surface]]
 name = "crown"
@@ -97,6 +102,12 @@ fn full() -> Scene {
         },
         integrator: crate::scene::IntegratorSettings {
             depth: 3,
+            ..Default::default()
+        },
+        engine: crate::scene::EngineSettings {
+            cost: LeafCost::N,
+            fit: false,
+            clipping: Clipping::Kanamori,
             ..Default::default()
         },
         surfaces: vec![

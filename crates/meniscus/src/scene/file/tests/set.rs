@@ -14,6 +14,8 @@ fn set_changes_one_key_as_the_file_would() {
         ("camera.eye", "1,2,-3"),
         ("camera.up", "x"),
         ("film.background", "transparent"),
+        ("engine.cost", "n2"),
+        ("engine.discard", "false"),
         ("material.wet.color", "#000"),
         ("material.dry.type", "diffuse"),
         ("light.0.direction", "[0, 1, 0]"),
@@ -33,6 +35,8 @@ fn set_changes_one_key_as_the_file_would() {
     expected.camera.eye = Some(DVec3::new(1.0, 2.0, -3.0));
     expected.camera.up = Up(DVec3::X);
     expected.film.background = Some(Background::Transparent);
+    expected.engine.cost = LeafCost::N2;
+    expected.engine.discard = false;
     expected.lights[0].direction = Some(DVec3::Y);
     expected.planes.push(Plane {
         point: DVec3::new(0.0, -5.0, 0.0),
@@ -52,6 +56,14 @@ fn set_changes_one_key_as_the_file_would() {
 #[test]
 fn set_points_at_its_own_text_and_changes_nothing_on_error() {
     let cases = [
+        ("engine.cost", "n3", "n3", "n or n2"),
+        (
+            "engine.clipping",
+            "newton",
+            "newton",
+            "own, nishita or kanamori",
+        ),
+        ("engine.fitt", "true", "fitt", "did you mean `fit`"),
         (
             "surface.0.treshold",
             "1",

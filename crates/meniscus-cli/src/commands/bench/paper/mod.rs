@@ -1,0 +1,147 @@
+//! `meniscus bench paper`: the tables of the papers again, their ratios beside ours. Absolute times are
+//! two decades and a graphics card apart, so ratios are what can be compared.
+
+mod gourmel;
+
+use super::passes::{Bench, median};
+use crate::exit::{Failure, Outcome};
+use crate::interrupt;
+use crate::job::engine::EngineChoice;
+use crate::progress::Reporter;
+use meniscus::accel::Engine;
+use meniscus::field::BlobField;
+use meniscus::frame::{Frame, FrameSettings};
+use meniscus::intersect::Counters;
+use meniscus::math::DVec3;
+use meniscus::scene::camera::Camera;
+use meniscus::scene::generate::Generator;
+use meniscus::scene::{BlobSettings, EngineSettings, Scene};
+use std::io::Write;
+use std::time::Instant;
+
+/// Pixels of the paper's pictures.
+const SIZE: [u32; 2] = [640, 480];
+
+/// Measures a table and writes it.
+type Print = fn(&Stage<'_>) -> Outcome<String>;
+
+/// The tables by name.
+const TABLES: [(&str, Print); 4] = [
+    ("gourmel-1", gourmel::table_1),
+    ("gourmel-3", gourmel::table_3),
+    ("gourmel-4", gourmel::table_4),
+    ("gourmel-5", gourmel::table_5),
+];
+
+/// Prints one table, or all.
+pub(super) fn run(
+    table: Option<&str>,
+    engine: &EngineChoice,
+    repeats: u32,
+    reporter: &Reporter,
+) -> Outcome {
+    let known = TABLES.map(|(name, _)| name).join(", ");
+    if let Some(table) = table
+        && TABLES.iter().all(|(name, _)| *name != table)
+    {
+        return Err(Failure::wrong(format!("there is no paper table `{table}`"))
+            .with_help(format!("there are: {known}")));
+    }
+    let stage = Stage {
+        engine,
+        repeats,
+        reporter,
+    };
+    reporter.start(1);
+    for (name, print) in TABLES {
+        if table.is_none_or(|table| table == name) {
+            let text = print(&stage)?;
+            writeln!(std::io::stdout(), "{text}")
+                .map_err(|error| Failure::work(format!("cannot print: {error}")))?;
+        }
+    }
+    reporter.finish();
+    Ok(())
+}
+
+/// How to measure.
+struct Stage<'a> {
+    engine: &'a EngineChoice,
+    repeats: u32,
+    reporter: &'a Reporter,
+}
+
+/// A generated set, ready to be built for any engine.
+struct Set {
+    scene: Scene,
+    field: BlobField,
+}
+
+/// What was measured of one engine on one set.
+struct Measured {
+    build_secs: f64,
+    mrays_per_sec: f64,
+    counters: Counters,
+}
+
+impl Measured {
+    fn per_ray(&self, count: u64) -> f64 {
+        count as f64 / self.counters.rays.max(1) as f64
+    }
+}
+
+impl Stage<'_> {
+    /// The set that a generator makes.
+    fn set(&self, generator: Generator, count: usize) -> Outcome<Set> {
+        let wrong = |error: &dyn std::fmt::Display| Failure::work(error.to_string());
+        let generated = generator
+            .generate(count, 1, None)
+            .map_err(|error| wrong(&error))?;
+        let mut scene = generated.scene;
+        scene.ground = None;
+        let Some(surface) = scene.surfaces.first() else {
+            return Err(Failure::work("the generator made no surface"));
+        };
+        let settings = surface.settings(&BlobSettings::default());
+        let built = BlobField::from_particles(&generated.particles, &settings)
+            .map_err(|error| wrong(&error))?;
+        Ok(Set {
+            scene,
+            field: built.field,
+        })
+    }
+
+    /// Builds and traces primary rays through the pixel centres.
+    fn measure(&self, set: &Set, engine: Engine, switches: EngineSettings) -> Outcome<Measured> {
+        let settings = FrameSettings {
+            engine,
+            switches,
+            level: self.engine.frame.level,
+        };
+        let mut times = Vec::new();
+        let mut frame = Frame::default();
+        for _ in 0..self.repeats {
+            interrupt::check()?;
+            let fields = vec![set.field.clone()];
+            let start = Instant::now();
+            frame = Frame::build(&set.scene, fields, &settings)
+                .map_err(|error| Failure::work(error.to_string()))?;
+            times.push(start.elapsed().as_secs_f64());
+        }
+        let camera = Camera::from_settings(&set.scene.camera, frame.framing_bounds(), SIZE)
+            .map_err(|error| Failure::work(error.to_string()))?;
+        let bench = Bench {
+            frame: &frame,
+            camera: &camera,
+            towards_light: DVec3::Y,
+            repeats: self.repeats,
+            reporter: self.reporter,
+        };
+        let (figures, counters) = bench.primary()?;
+        Ok(Measured {
+            build_secs: median(&mut times),
+            mrays_per_sec: figures.mrays_per_sec,
+            counters,
+        })
+    }
+}

@@ -1,0 +1,64 @@
+//! `[engine]`: switches of the papers' engines. The default engine has none.
+
+use serde::{Deserialize, Serialize};
+
+/// What a leaf of n metaballs is taken to cost when metaballs are split in two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LeafCost {
+    /// n, as for any primitive.
+    N,
+    /// n²: every projected centre is evaluated with every metaball (Gourmel et al. 2010, §5.1.1).
+    #[default]
+    N2,
+}
+
+/// How engine `sweep` finds the first root of a Bézier polynomial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Clipping {
+    /// Clipping and halving with a proof for every piece that is left out: finds every root.
+    #[default]
+    Own,
+    /// Clip to the hull; halve where that is slow (Nishita, Sederberg & Kakimoto 1990; Nishita &
+    /// Nakamae 1994).
+    Nishita,
+    /// Halve wherever the coefficients change sign more than once, else clip; a stack of three
+    /// (Kanamori, Szego & Nishita 2008, §5.4).
+    Kanamori,
+}
+
+/// `[engine]`. Each key concerns the engines that its description names; others ignore it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EngineSettings {
+    /// `metaball-bvh`, `fitted-bvh`: `n` or `n2`, the cost of a leaf.
+    pub cost: LeafCost,
+    /// `fitted-bvh`: whether boxes are fitted to the metaballs in them (§5.1.2). Off where a weight is
+    /// negative, as the two below.
+    pub fit: bool,
+    /// `fitted-bvh`: whether fitted boxes reach only as far as a surface can (§5.3.1); needs `fit`.
+    pub rmax_boxes: bool,
+    /// `fitted-bvh`: whether split metaballs without part in the surface are left out (§5.3.2).
+    pub discard: bool,
+    /// `sweep`: `own`, `nishita` or `kanamori`.
+    pub clipping: Clipping,
+}
+
+impl Default for EngineSettings {
+    fn default() -> Self {
+        Self {
+            cost: LeafCost::default(),
+            fit: true,
+            rmax_boxes: true,
+            discard: true,
+            clipping: Clipping::default(),
+        }
+    }
+}
+
+impl EngineSettings {
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
