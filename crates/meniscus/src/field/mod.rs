@@ -24,6 +24,7 @@ use crate::kernel::Kernel;
 use crate::math::aabb::Aabb;
 use crate::primitive::Shapes;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// A column that is blended on the surface by field weight.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +89,11 @@ impl BlobField {
 
     /// Local box around all supports: the field is 0 outside.
     pub fn bounds(&self) -> Aabb {
-        (0..self.len()).fold(Aabb::EMPTY, |bounds, i| bounds.union(self.support_box(i)))
+        (0..self.len())
+            .into_par_iter()
+            .with_min_len(1 << 14)
+            .map(|i| self.support_box(i))
+            .reduce(|| Aabb::EMPTY, Aabb::union)
     }
 
     /// Whether any weight is negative, which switches off every bound that assumes a growing sum.

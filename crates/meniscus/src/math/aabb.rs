@@ -41,11 +41,6 @@ impl Aabb {
         }
     }
 
-    /// Whether the boxes have a point in common.
-    pub fn overlaps(&self, other: &Self) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
-    }
-
     /// Edge lengths.
     pub fn size(&self) -> Vec3 {
         self.max - self.min

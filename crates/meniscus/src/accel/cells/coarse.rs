@@ -83,13 +83,19 @@ impl Splitter<'_> {
             return Some((leaf, vec![CoarseBox { bounds, depth }]));
         }
         let (axis, halves) = halves(cell);
-        let lists = halves.map(|half| {
-            let reach = half.padded(self.context.pad);
-            let overlapping = groups
-                .iter()
-                .filter(|&&group| self.groups[group as usize].overlaps(&reach));
-            overlapping.copied().collect::<Vec<u32>>()
-        });
+        // All overlap the cell, so one axis tells which of its halves.
+        let low_end = halves[0].max[axis] + self.context.pad;
+        let high_start = halves[1].min[axis] - self.context.pad;
+        let mut lists = [(); 2].map(|()| Vec::with_capacity(groups.len()));
+        for &group in &groups {
+            let bounds = &self.groups[group as usize];
+            if bounds.min[axis] <= low_end {
+                lists[0].push(group);
+            }
+            if bounds.max[axis] >= high_start {
+                lists[1].push(group);
+            }
+        }
         let stalled = if lists.iter().all(|list| list.len() == groups.len()) {
             stalled + 1
         } else {
