@@ -1,11 +1,11 @@
-//! The surface area heuristic with bins (Wald 2007): slower to build than along a curve, faster to
-//! trace.
+//! The surface area heuristic with bins along the widest axis (Wald 2007): slower to build than along a
+//! curve, faster to trace.
 
 use super::topology::Split;
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Candidate planes per axis, plus one.
+/// Candidate planes, plus one.
 const BINS: usize = 16;
 
 /// Longer ranges are binned on several threads, in pieces of this length.
@@ -71,19 +71,20 @@ impl Bin {
     }
 }
 
-/// Bins along the three axes.
-type Bins = [[Bin; BINS]; 3];
+/// Bins across one axis.
+type Bins = [Bin; BINS];
 
 /// From a place to the number of its bin.
 #[derive(Debug, Clone, Copy)]
 struct Grid {
-    low: Vec3,
-    /// 0 along axes without extent.
-    scale: Vec3,
+    axis: usize,
+    low: f32,
+    scale: f32,
 }
 
 impl Grid {
-    fn of(items: &[Item]) -> Self {
+    /// Across the widest axis of the items' places; `None` where they have no extent to speak of.
+    fn of(items: &[Item]) -> Option<Self> {
         let ends = |items: &[Item]| {
             items
                 .iter()
@@ -99,70 +100,65 @@ impl Grid {
         } else {
             ends(items)
         };
-        let scale = Vec3::from_array((high - low).to_array().map(|extent| {
-            let scale = BINS as f32 / extent;
-            if extent > 0.0 && scale.is_finite() {
-                scale
+        let extent = high - low;
+        let axis = (1..3).fold(0, |widest, axis| {
+            if extent[axis] > extent[widest] {
+                axis
             } else {
-                0.0
+                widest
             }
-        }));
-        Self { low, scale }
+        });
+        let scale = BINS as f32 / extent[axis];
+        (extent[axis] > 0.0 && scale.is_finite()).then_some(Self {
+            axis,
+            low: low[axis],
+            scale,
+        })
     }
 
-    fn bins(&self, item: &Item) -> [usize; 3] {
-        let cell = (item.place() - self.low) * self.scale;
-        cell.to_array().map(|bin| (bin as usize).min(BINS - 1))
+    fn bin(&self, item: &Item) -> usize {
+        let place = item.min[self.axis] + item.max[self.axis];
+        (((place - self.low) * self.scale) as usize).min(BINS - 1)
     }
 
     fn fill(&self, items: &[Item]) -> Bins {
-        let mut bins = [[Bin::EMPTY; BINS]; 3];
+        let mut bins = [Bin::EMPTY; BINS];
         for item in items {
-            let places = self.bins(item);
-            for axis in 0..3 {
-                let bin = &mut bins[axis][places[axis]];
-                bin.min = bin.min.min(item.min);
-                bin.max = bin.max.max(item.max);
-                bin.count += 1;
-            }
+            let bin = &mut bins[self.bin(item)];
+            bin.min = bin.min.min(item.min);
+            bin.max = bin.max.max(item.max);
+            bin.count += 1;
         }
         bins
     }
 }
 
 fn joined(mut a: Bins, b: &Bins) -> Bins {
-    for axis in 0..3 {
-        for bin in 0..BINS {
-            a[axis][bin] = a[axis][bin].union(&b[axis][bin]);
-        }
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = a.union(b);
     }
     a
 }
 
-/// The axis and first upper bin of the cheapest plane that leaves particles on both sides.
-fn cheapest_plane(bins: &Bins) -> Option<(usize, usize)> {
-    let mut best: Option<(f32, usize, usize)> = None;
-    for (axis, bins) in bins.iter().enumerate() {
-        let mut upper_cost = [0.0_f32; BINS];
-        let mut upper = Bin::EMPTY;
-        for bin in (1..BINS).rev() {
-            upper = upper.union(&bins[bin]);
-            upper_cost[bin] = upper.cost();
-        }
-        let all = upper.count + bins[0].count;
-        let mut lower = Bin::EMPTY;
-        for bin in 1..BINS {
-            lower = lower.union(&bins[bin - 1]);
-            if lower.count == 0 || lower.count == all {
-                continue;
-            }
-            let cost = lower.cost() + upper_cost[bin];
-            if best.is_none_or(|(least, ..)| cost < least) {
-                best = Some((cost, axis, bin));
-            }
+/// The first upper bin of the cheapest plane. The first and the last bin hold items, so every plane
+/// leaves some on both sides.
+fn cheapest_plane(bins: &Bins) -> usize {
+    let mut upper_cost = [0.0_f32; BINS];
+    let mut upper = Bin::EMPTY;
+    for bin in (1..BINS).rev() {
+        upper = upper.union(&bins[bin]);
+        upper_cost[bin] = upper.cost();
+    }
+    let mut lower = Bin::EMPTY;
+    let mut best = (f32::INFINITY, BINS / 2);
+    for bin in 1..BINS {
+        lower = lower.union(&bins[bin - 1]);
+        let cost = lower.cost() + upper_cost[bin];
+        if cost < best.0 {
+            best = (cost, bin);
         }
     }
-    best.map(|(_, axis, bin)| (axis, bin))
+    best.1
 }
 
 /// The builder.
@@ -172,23 +168,23 @@ impl Split for Sah {
     type Item = Item;
 
     fn split(&self, items: &mut [Item]) -> usize {
-        let grid = Grid::of(items);
+        let Some(grid) = Grid::of(items) else {
+            // All at one place.
+            return items.len() / 2;
+        };
         let bins = if items.len() > PIECE {
             // Least and largest corners and counts: the order of joining does not matter.
             items
                 .par_chunks(PIECE)
                 .map(|piece| grid.fill(piece))
-                .reduce(|| [[Bin::EMPTY; BINS]; 3], |a, b| joined(a, &b))
+                .reduce(|| [Bin::EMPTY; BINS], |a, b| joined(a, &b))
         } else {
             grid.fill(items)
         };
-        let Some((axis, bin)) = cheapest_plane(&bins) else {
-            // All at one place.
-            return items.len() / 2;
-        };
+        let plane = cheapest_plane(&bins);
         let mut lower = 0;
         for i in 0..items.len() {
-            if grid.bins(&items[i])[axis] < bin {
+            if grid.bin(&items[i]) < plane {
                 items.swap(i, lower);
                 lower += 1;
             }
