@@ -60,7 +60,7 @@ const RAY_KINDS: [Kind; 5] = [
     Kind {
         name: "inside",
         question: Question::Closest,
-        allowed: 2.0 * ORDINARY,
+        allowed: 4.0 * ORDINARY,
         rays: |stage| rays::inside(stage.oracle, &stage.points, 51),
     },
     Kind {

@@ -6,9 +6,10 @@ use clap::Args;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Engine")]
 pub(crate) struct EngineArgs {
-    /// Acceleration structure and solver: cells, metaball-bvh, fitted-bvh, sweep [default: cells]
+    /// Acceleration structure and solver: cells, particles, interval, metaball-bvh,
+    /// fitted-bvh, sweep [default: cells]
     ///
-    /// The papers' engines have switches in the scene's `[engine]` table, so --set reaches them.
+    /// The papers' engines have switches in the scene's table `engine`, so --set reaches them.
     /// metaball-bvh and fitted-bvh: engine.cost=n|n2 [default: n2]. fitted-bvh: engine.fit,
     /// engine.rmax_boxes and engine.discard, each true|false [default: true].
     /// sweep: engine.clipping=own|nishita|kanamori [default: own].
