@@ -8,8 +8,10 @@
 //!
 //! Made faster than there: the eight-wide hierarchy and leaves of engine `particles` (boxes around the
 //! supports, also those of ellipsoids, in place of spheres); a sorted stack, which the chapter
-//! considers, so that what is collected is refined as soon as nothing nearer can come; an interval is
-//! split in sixteen at once, lanes for parts.
+//! considers, so that the collection ends at the first node beyond its end; refinement in stretches of
+//! a support's size, each with the blobs that meet it, and in sixteen parts at once, lanes for parts.
+//! Where no single blob reaches the threshold there are no inner spheres, and a ray from outside
+//! collects all that it meets.
 
 mod refine;
 
