@@ -76,6 +76,10 @@ fn all_settings() -> Vec<EngineSettings> {
     all
 }
 
+fn balls_per_chunk() -> usize {
+    Columns::ALL.blocks_per_chunk::<Ball>()
+}
+
 /// Box and blobs of each leaf, own ones first, with their number.
 fn leaves(tree: &MetaballTree, per_chunk: usize) -> Vec<(Aabb, Vec<u32>)> {
     let mut leaves = Vec::new();
@@ -113,7 +117,7 @@ fn leaves(tree: &MetaballTree, per_chunk: usize) -> Vec<(Aabb, Vec<u32>)> {
 /// wherever it is at least T.
 fn check_disjoint(field: &BlobField, settings: &EngineSettings) {
     let per_chunk = match field.shapes {
-        Shapes::Balls(_) => Columns::ALL.blocks_per_chunk::<Ball>(),
+        Shapes::Balls(_) => balls_per_chunk(),
         Shapes::Ellipsoids(_) => Columns::ALL.blocks_per_chunk::<Ellipsoid>(),
     };
     let tree = MetaballTree::build(field, Boxes::Disjoint, settings);
@@ -183,12 +187,14 @@ fn overlapping_leaves_own_every_metaball_once_and_know_its_support() {
             let point = field.center(i) + (Vec3::new(next(), next(), next()) - 0.5) * 0.5;
             let mut needed = Vec::new();
             field.contributions(point.as_dvec3(), &mut needed);
-            let owner = leaves(&tree, 1).into_iter().find(|(bounds, blobs)| {
-                bounds.contains(support.min)
-                    && bounds.contains(support.max)
-                    && blobs.contains(&(i as u32))
-                    && needed.iter().all(|part| blobs.contains(&part.blob))
-            });
+            let owner = leaves(&tree, balls_per_chunk())
+                .into_iter()
+                .find(|(bounds, blobs)| {
+                    bounds.contains(support.min)
+                        && bounds.contains(support.max)
+                        && blobs.contains(&(i as u32))
+                        && needed.iter().all(|part| blobs.contains(&part.blob))
+                });
             owned += usize::from(owner.is_some());
         }
         assert_eq!(owned, field.len(), "{cost:?}");
@@ -206,7 +212,7 @@ fn each_switch_makes_boxes_or_lists_smaller() {
     };
     let measure = |settings: &EngineSettings| {
         let tree = MetaballTree::build(&field, Boxes::Disjoint, settings);
-        let leaves = leaves(&tree, 1);
+        let leaves = leaves(&tree, balls_per_chunk());
         let n = leaves.len() as f32;
         let volume: f32 = leaves.iter().map(|(b, _)| b.size().element_product()).sum();
         let blobs: usize = leaves.iter().map(|(_, blobs)| blobs.len()).sum();
