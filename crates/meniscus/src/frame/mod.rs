@@ -46,6 +46,8 @@ impl Blobs {
         settings: EngineSettings,
         level: Level,
     ) -> Self {
+        // Not left to the first ray: built by several threads, it may not be waited for by one of them.
+        field.support_tree();
         let accel = Accel::build(engine, &field, &settings);
         Self {
             field,
