@@ -255,9 +255,9 @@ impl Frame {
     /// If `hits` is not as long as `rays`.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch) {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
-        hits.fill(None);
         let mut buffers = std::mem::take(&mut scratch.object_rays);
         for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
+            hits.fill(None);
             for (surface, instance) in self.instances.iter().enumerate() {
                 let object_from_world = &instance.object_from_world;
                 let object_rays =
