@@ -184,7 +184,7 @@ impl Frame {
             1.0
         };
         for material in &mut self.materials {
-            if !(material.absorption.depth > 0.0) {
+            if material.absorption.depth == 0.0 {
                 material.absorption.depth = depth;
             }
         }

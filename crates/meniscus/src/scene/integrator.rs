@@ -67,8 +67,8 @@ pub struct IntegratorSettings {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<f64>,
     /// `path`: whether lights reach rough surfaces through and over clear ones as they do in nature,
-    /// bent into caustics, which takes many samples where lights are small. If false, suns, points,
-    /// balls and rectangles shine straight through clear surfaces onto rough ones, weakened but not
+    /// bent into caustics, which takes many samples where lights are small. If false, suns, lamps
+    /// and environment images shine straight through clear surfaces onto rough ones, weakened but not
     /// bent, and what rough surfaces see of mirrors and metals is blurred.
     #[serde(skip_serializing_if = "is_true")]
     pub caustics: bool,

@@ -39,7 +39,7 @@ impl Environment {
         rotation: f64,
     ) -> Self {
         assert!(
-            width > 0 && !texels.is_empty() && texels.len() % width == 0,
+            width > 0 && !texels.is_empty() && texels.len().is_multiple_of(width),
             "whole rows"
         );
         let height = texels.len() / width;

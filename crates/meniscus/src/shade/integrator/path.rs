@@ -157,7 +157,7 @@ impl Shader<'_> {
             // Where caustics are left out, such lights were counted straight through the surface.
             let left_out = !self.settings.integrator.caustics
                 && path.is_spread
-                && lights.is_small(found.emitter);
+                && lights.is_drawn(found.emitter);
             f32::from(u8::from(!left_out))
         } else {
             let other = lights.density(found.emitter, path.scattered_at, path.ray.direction);
@@ -218,7 +218,7 @@ impl Shader<'_> {
         } else {
             point.beyond
         };
-        let straight = !self.settings.integrator.caustics && world.lights.is_small(emitter);
+        let straight = !self.settings.integrator.caustics && world.lights.is_drawn(emitter);
         let reach = world.reach(ray, light.distance, media, straight, scratch);
         if reach.part == Vec3::ZERO {
             return;

@@ -168,11 +168,16 @@ impl Emitter {
         }
     }
 
-    /// Whether it is so small that its caustics are hard to find.
-    fn is_small(&self) -> bool {
+    /// Whether directions are drawn towards it; the others are found by scattered rays alone.
+    fn is_drawn(&self) -> bool {
+        !matches!(self, Self::Sky(_) | Self::Constant(_))
+    }
+
+    /// Whether it stands all around the scene.
+    fn surrounds(&self) -> bool {
         matches!(
             self,
-            Self::Sun(_) | Self::Point(..) | Self::Sphere(_) | Self::Rectangle(_)
+            Self::Sky(_) | Self::Constant(_) | Self::Environment(..)
         )
     }
 }
@@ -277,14 +282,14 @@ impl Lights {
     pub(super) fn surroundings(&self, direction: DVec3) -> Vec3 {
         self.emitters
             .iter()
-            .filter(|emitter| !emitter.is_small())
+            .filter(|emitter| emitter.surrounds())
             .map(|emitter| emitter.escaped(direction, self.up))
             .sum()
     }
 
     /// Whether anything surrounds the scene.
     pub(super) fn has_surroundings(&self) -> bool {
-        self.emitters.iter().any(|emitter| !emitter.is_small())
+        self.emitters.iter().any(Emitter::surrounds)
     }
 
     /// The nearest light that a ray with unit direction meets before `t_max`.
@@ -299,9 +304,9 @@ impl Lights {
         nearest
     }
 
-    /// Whether an emitter is so small that its caustics are hard to find.
-    pub(super) fn is_small(&self, emitter: usize) -> bool {
-        self.emitters[emitter].is_small()
+    /// Whether directions are drawn towards an emitter, so that caustics of it can be left out.
+    pub(super) fn is_drawn(&self, emitter: usize) -> bool {
+        self.emitters[emitter].is_drawn()
     }
 }
 
