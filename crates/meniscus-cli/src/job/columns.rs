@@ -19,8 +19,13 @@ pub(crate) fn carry(
             settings.attributes.push(name.to_owned());
         }
     };
-    if let Some(color_by) = &surface.color_by {
-        add(color_by);
+    let looks = [
+        &surface.color_by,
+        &surface.roughness_by,
+        &surface.absorption_by,
+    ];
+    for name in looks.into_iter().flatten() {
+        add(name);
     }
     for name in aov.iter().map(|name| name.trim()) {
         if name == "all" {

@@ -5,10 +5,12 @@
 
 mod bounds;
 mod build;
+pub mod environment;
 pub mod looks;
 
 pub use build::{FrameError, FrameSettings};
-pub use looks::{BaseColor, Coloring, GroundLook, Light, Material};
+pub use environment::{Environment, EnvironmentError};
+pub use looks::{Absorption, BaseColor, Coloring, GroundLook, Light, Material, Scaling};
 
 use crate::accel::supports::SupportTree;
 use crate::accel::{Accel, Engine};

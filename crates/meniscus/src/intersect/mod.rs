@@ -260,18 +260,22 @@ impl Frame {
             hits.fill(None);
             for (surface, instance) in self.instances.iter().enumerate() {
                 let object_from_world = &instance.object_from_world;
-                let object_rays =
-                    if is_identity(object_from_world) && hits.iter().all(Option::is_none) {
-                        rays
-                    } else {
-                        buffers.rays.clear();
-                        let moved = rays.iter().zip(&*hits).map(|(ray, hit)| {
-                            let nearest = hit.map_or(ray.t_max, |hit| hit.t);
-                            transformed(ray, object_from_world).with_range(ray.t_min, nearest)
-                        });
-                        buffers.rays.extend(moved);
-                        &buffers.rays
-                    };
+                let as_they_are = is_identity(object_from_world)
+                    && hits.iter().all(Option::is_none)
+                    && states_side_of(rays, surface as u32);
+                let object_rays = if as_they_are {
+                    rays
+                } else {
+                    buffers.rays.clear();
+                    let moved = rays.iter().zip(&*hits).map(|(ray, hit)| {
+                        let nearest = hit.map_or(ray.t_max, |hit| hit.t);
+                        transformed(ray, object_from_world)
+                            .with_range(ray.t_min, nearest)
+                            .with_side(ray.side_towards(surface as u32))
+                    });
+                    buffers.rays.extend(moved);
+                    &buffers.rays
+                };
                 let normal_matrix = instance.object_from_world.matrix3.transpose();
                 let hit_at = |ray: &Ray, t: f64, outward: DVec3, blob, entering| Hit {
                     t,
@@ -329,13 +333,17 @@ impl Frame {
         hits.fill(false);
         let mut buffers = std::mem::take(&mut scratch.object_rays);
         for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
-            for instance in &self.instances {
+            for (surface, instance) in self.instances.iter().enumerate() {
+                let surface = surface as u32;
                 let object_from_world = &instance.object_from_world;
-                let object_rays = if is_identity(object_from_world) {
+                let object_rays = if is_identity(object_from_world) && states_side_of(rays, surface)
+                {
                     rays
                 } else {
                     buffers.rays.clear();
-                    let moved = rays.iter().map(|ray| transformed(ray, object_from_world));
+                    let moved = rays.iter().map(|ray| {
+                        transformed(ray, object_from_world).with_side(ray.side_towards(surface))
+                    });
                     buffers.rays.extend(moved);
                     &buffers.rays
                 };
@@ -361,6 +369,21 @@ impl Frame {
     }
 }
 
+impl Frame {
+    /// On which side of surface `surface` a world point lies.
+    pub fn side(&self, surface: u32, point: DVec3) -> Side {
+        let instance = &self.instances[surface as usize];
+        let object = instance.object_from_world.transform_point3(point);
+        match &self.geometries[instance.geometry as usize] {
+            Geometry::Blobs(blobs) => blobs.field.side(object - blobs.field.origin),
+            Geometry::Plane(plane) if (object - plane.point).dot(plane.normal) > 0.0 => {
+                Side::Outside
+            }
+            Geometry::Plane(_) => Side::Inside,
+        }
+    }
+}
+
 impl crate::frame::Plane {
     /// First crossing of an object-space ray: its parameter and whether it enters. A ray with a
     /// stated side can only cross to the other one, so it does not hit the plane that it leaves.
@@ -376,6 +399,11 @@ impl crate::frame::Plane {
         (can_cross && ray.is_traceable() && t.is_finite() && t >= ray.t_min && t <= ray.t_max)
             .then_some((t, entering))
     }
+}
+
+/// Whether what the rays state about sides holds for `surface` as it stands.
+fn states_side_of(rays: &[Ray], surface: u32) -> bool {
+    rays.iter().all(|ray| ray.side_towards(surface) == ray.side)
 }
 
 fn is_identity(object_from_world: &glam::DAffine3) -> bool {

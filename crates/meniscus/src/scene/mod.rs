@@ -26,7 +26,7 @@ pub use color::Color;
 pub use colormap::ColorMap;
 pub use engine::{Clipping, EngineSettings, LeafCost};
 pub use file::{SceneError, SceneErrorKind};
-pub use film::{Background, FilmSettings};
+pub use film::{Background, FilmSettings, WhiteBalance};
 pub use integrator::{IntegratorKind, IntegratorSettings};
 pub use lights::{Light, LightKind};
 pub use materials::{Material, MaterialKind};

@@ -3,7 +3,7 @@
 mod framing;
 mod settings;
 
-pub(super) use framing::horizontal_axes;
+pub(crate) use framing::horizontal_axes;
 pub use settings::{CameraSettings, Up, UpError};
 
 use crate::math::ray::{Ray, RayDifferential};
