@@ -24,7 +24,7 @@ mod validate;
 pub use camera::{CameraSettings, Up};
 pub use color::Color;
 pub use colormap::ColorMap;
-pub use engine::{Clipping, EngineSettings, LeafCost};
+pub use engine::{Builder, Clipping, EngineSettings, LeafCost};
 pub use file::{SceneError, SceneErrorKind};
 pub use film::{Background, FilmSettings, WhiteBalance};
 pub use integrator::{IntegratorKind, IntegratorSettings};

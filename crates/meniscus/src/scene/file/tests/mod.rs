@@ -39,6 +39,7 @@ caustics = false
 cost = "n"
 fit = false
 clipping = "kanamori"
+builder = "morton"
 
 [[surface]]
 name = "crown"
@@ -141,6 +142,7 @@ fn full() -> Scene {
             cost: LeafCost::N,
             fit: false,
             clipping: Clipping::Kanamori,
+            builder: crate::scene::Builder::Morton,
             ..Default::default()
         },
         surfaces: vec![
