@@ -102,7 +102,7 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome {
 fn info(surface: &Surface, path: &Path, inputs: &Inputs) -> Outcome<Info> {
     let FrameInput { step, .. } = inputs.first;
     let file = io::read(path, step).map_err(|error| Failure::work(error.to_string()))?;
-    let settings = surface.settings(&BlobSettings::default());
+    let settings = surface.settings(&BlobSettings::of_format(file.format));
     let mut warnings = file.warnings.clone();
     let built = BlobField::from_particles(&file.particles, &settings);
     let (radius, support, support_min, neighbours, gap) = match &built {

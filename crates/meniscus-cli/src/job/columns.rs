@@ -2,6 +2,7 @@
 
 use meniscus::film::CHANNELS;
 use meniscus::particles::Particles;
+use meniscus::scene::attribute::ELEMENT_COLOR;
 use meniscus::scene::{BlobSettings, Surface};
 
 /// Most components of a column that `--aov all` carries along.
@@ -20,7 +21,13 @@ pub(crate) fn carry(
         }
     };
     if let Some(color_by) = &surface.color_by {
-        add(color_by);
+        // Surfaces without elements keep their material's colour.
+        let has_elements = ["atomic_number", ELEMENT_COLOR]
+            .iter()
+            .any(|name| particles.column(name).is_some());
+        if color_by != ELEMENT_COLOR || has_elements {
+            add(color_by);
+        }
     }
     for name in aov.iter().map(|name| name.trim()) {
         if name == "all" {

@@ -93,12 +93,17 @@ pub(crate) fn build(
     reporter: &Reporter,
 ) -> Outcome<LoadedFrame> {
     let start = Instant::now();
+    let mut scene = scene.clone();
+    for (surface, file) in scene.surfaces.iter_mut().zip(files) {
+        surface.color_by = surface.color_by_of(file.format).map(str::to_owned);
+    }
+    let scene = &scene;
     let mut fields = Vec::with_capacity(files.len());
     let mut all_settings = Vec::with_capacity(files.len());
     let mut reports = Vec::with_capacity(files.len());
     for ((surface, file), path) in scene.surfaces.iter().zip(files).zip(&input.files) {
         interrupt::check()?;
-        let mut settings = surface.settings(&BlobSettings::default());
+        let mut settings = surface.settings(&BlobSettings::of_format(file.format));
         columns::carry(&mut settings, surface, aov, &file.particles);
         let built = BlobField::from_particles(&file.particles, &settings)
             .map_err(|error| field_failure(error, path))?;

@@ -5,7 +5,7 @@ use super::{Blobs, Frame, Geometry, Instance, Plane};
 use crate::accel::Engine;
 use crate::field::{BlobField, FieldAttribute};
 use crate::math::simd::Level;
-use crate::scene::attribute::{AttributeRef, Component};
+use crate::scene::attribute::{AttributeRef, Component, ELEMENT_COLOR, OWN_COLOR};
 use crate::scene::{self, EngineSettings, LightKind, Scene, Surface};
 use glam::{DAffine3, DVec3};
 
@@ -118,15 +118,14 @@ impl Frame {
         field: BlobField,
         settings: &FrameSettings,
     ) -> Result<(), FrameError> {
-        let coloring = surface
-            .color_by
-            .as_deref()
-            .map(|color_by| coloring(color_by, surface, &field))
-            .transpose()?;
+        let base = match surface.color_by.as_deref() {
+            None => None,
+            Some(color_by) => base_color(color_by, surface, &field)?,
+        };
         let material_of = |name: Option<&str>| -> Result<Material, FrameError> {
             let mut material = plain_material(scene, name, scene::Material::default)?;
-            if let Some(coloring) = &coloring {
-                material.base = BaseColor::Attribute(Box::new(coloring.clone()));
+            if let Some(base) = &base {
+                material.base = base.clone();
             }
             Ok(material)
         };
@@ -255,6 +254,26 @@ fn resolved_lights(scene: &Scene, up: DVec3) -> Vec<Light> {
             }
         })
         .collect()
+}
+
+/// The base colour that `color_by` stands for; `None` where the material's stays.
+fn base_color(
+    color_by: &str,
+    surface: &Surface,
+    field: &BlobField,
+) -> Result<Option<BaseColor>, FrameError> {
+    let found = field.attributes.iter().position(|a| a.name == color_by);
+    if [ELEMENT_COLOR, OWN_COLOR].contains(&color_by) {
+        match found {
+            Some(index) if field.attributes[index].components == 3 => {
+                return Ok(Some(BaseColor::Direct(index)));
+            }
+            None if color_by == ELEMENT_COLOR => return Ok(None),
+            _ => {}
+        }
+    }
+    let coloring = coloring(color_by, surface, field)?;
+    Ok(Some(BaseColor::Attribute(Box::new(coloring))))
 }
 
 fn coloring(color_by: &str, surface: &Surface, field: &BlobField) -> Result<Coloring, FrameError> {

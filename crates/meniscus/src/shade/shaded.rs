@@ -199,7 +199,7 @@ impl<'a> Shader<'a> {
     fn albedo(&self, hit: &Hit, scratch: &mut ShadeScratch) -> Vec3 {
         let material = self.frame.instances[hit.surface as usize].material as usize;
         let base = &self.frame.materials[material].base;
-        if self.attributes.is_some() || matches!(base, BaseColor::Attribute(_)) {
+        if self.attributes.is_some() || !matches!(base, BaseColor::Constant(_)) {
             scratch.attributes.gather(self.frame, hit);
         }
         if let Some(layout) = &self.attributes {
@@ -207,6 +207,12 @@ impl<'a> Shader<'a> {
         }
         match base {
             BaseColor::Constant(color) => Vec3::from_array(*color),
+            BaseColor::Direct(attribute) => {
+                match *scratch.attributes.value(self.frame, hit, *attribute) {
+                    [r, g, b] => Vec3::new(r, g, b),
+                    _ => Vec3::ZERO,
+                }
+            }
             BaseColor::Attribute(coloring) => {
                 let value = scratch
                     .attributes

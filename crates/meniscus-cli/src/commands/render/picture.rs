@@ -130,9 +130,10 @@ impl FrameWork<'_> {
             .iter()
             .find_map(|material| match &material.base {
                 BaseColor::Attribute(coloring) => Some(coloring),
-                BaseColor::Constant(_) => None,
+                BaseColor::Constant(_) | BaseColor::Direct(_) => None,
             })?;
-        let surface = self.scene.surfaces.iter().find(|s| s.color_by.is_some())?;
+        let by = Some(coloring.label.as_str());
+        let surface = (self.scene.surfaces.iter()).find(|s| s.color_by.as_deref() == by)?;
         Some(Legend {
             name: coloring.label.clone(),
             unit: None,

@@ -5,7 +5,7 @@ mod bare;
 mod layout;
 
 use super::bytes::assemble;
-use super::elements::atomic_number;
+use crate::particles::elements::atomic_number;
 use super::text::{float, lines, push, quote, unexpected, words};
 use super::{ParseError, Parsed, Place};
 use crate::particles::{Column, Particles};
