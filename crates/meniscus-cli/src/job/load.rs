@@ -8,7 +8,8 @@ use crate::interrupt;
 use crate::progress::Reporter;
 use crate::report::{Excerpt, Message};
 use meniscus::field::{BlobField, FieldError, FieldReport};
-use meniscus::frame::{Frame, FrameSettings};
+use meniscus::frame::{Frame, FrameSettings, MeshSurface};
+use meniscus::mesh;
 use meniscus::particles::io::{self, ParticleFile};
 use meniscus::scene::{BlobSettings, Scene};
 use std::path::Path;
@@ -30,6 +31,15 @@ pub(crate) struct LoadedFrame {
 }
 
 impl LoadedFrame {
+    /// The same for another picture, which takes no time any more.
+    pub(crate) fn used_again(self) -> Self {
+        Self {
+            read_secs: 0.0,
+            build_secs: 0.0,
+            ..self
+        }
+    }
+
     /// Particles in the frame.
     pub(crate) fn particles(&self) -> usize {
         self.frame.blobs().map(|blobs| blobs.field.len()).sum()
@@ -118,7 +128,8 @@ pub(crate) fn build(
         switches: scene.engine,
         ..engine.frame
     };
-    let frame = Frame::build(scene, fields, &settings)
+    let meshes = meshes(scene, reporter)?;
+    let frame = Frame::build_with_meshes(scene, fields, meshes, &settings)
         .map_err(|error| Failure::wrong(error.to_string()))?;
     Ok(LoadedFrame {
         frame,
@@ -127,6 +138,21 @@ pub(crate) fn build(
         read_secs: 0.0,
         build_secs: start.elapsed().as_secs_f64(),
     })
+}
+
+/// Reads and builds the meshes of a scene. A mesh that cannot be used makes the scene wrong.
+fn meshes(scene: &Scene, reporter: &Reporter) -> Outcome<Vec<MeshSurface>> {
+    let mut surfaces = Vec::with_capacity(scene.meshes.len());
+    for mesh in &scene.meshes {
+        interrupt::check()?;
+        let file = mesh::io::read(&mesh.file).map_err(|error| Failure::wrong(error.to_string()))?;
+        let (surface, notes) = MeshSurface::build(&file.mesh);
+        for note in file.warnings.iter().chain(&notes) {
+            reporter.warn(&format!("{}: {note}", mesh.file.display()));
+        }
+        surfaces.push(surface);
+    }
+    Ok(surfaces)
 }
 
 /// Settings that do not fit are a wrong command line; a file without usable particles is not.

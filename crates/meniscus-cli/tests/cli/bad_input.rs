@@ -135,11 +135,9 @@ fn what_is_announced_and_not_there_yet_is_said() {
         "--engine peel",
         "--device gpu",
         "--shutter 0.5",
-        "--turntable 12",
         "--integrator path",
         "--integrator whitted",
         "--integrator ao",
-        "--clip x=0",
     ] {
         let words = format!("render water.vtk -o out.png {flags}");
         folder.fails(&words, 2, &["not available yet"]);

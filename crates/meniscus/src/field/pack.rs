@@ -1,7 +1,7 @@
 //! The last step of a build: f32 arrays about a local origin, and the report.
 
-use super::colors;
 use super::build::Build;
+use super::colors;
 use super::supports::Supports;
 use super::{
     BlobField, FieldAttribute, FieldBuild, FieldError, FieldReport, Search, SupportSource,

@@ -1,7 +1,7 @@
 //! From a scene and its fields to a frame.
 
 use super::looks::{BaseColor, Coloring, GroundLook, Light, Material};
-use super::{Blobs, Frame, Geometry, Instance, Plane};
+use super::{Blobs, Frame, Geometry, Instance, MeshSurface, Plane, Sphere};
 use crate::accel::Engine;
 use crate::field::{BlobField, FieldAttribute};
 use crate::math::simd::Level;
@@ -41,6 +41,14 @@ pub enum FrameError {
         /// Fields given.
         fields: usize,
     },
+    /// One mesh per `[[mesh]]` is needed.
+    #[error("the scene has {wanted} meshes, but {given} were given")]
+    MeshCount {
+        /// Meshes of the scene.
+        wanted: usize,
+        /// Meshes given.
+        given: usize,
+    },
     /// A surface is coloured by an attribute that its field does not carry.
     #[error("there is no attribute `{name}` to colour by; there are: {known}")]
     UnknownAttribute {
@@ -70,18 +78,38 @@ pub enum FrameError {
 }
 
 impl Frame {
-    /// The frame of `scene` with one field per surface, in the scene's order.
-    ///
-    /// Instances come in this order: for each surface its `[[instance]]`s (or itself once), then the
-    /// planes, then the ground.
+    /// The frame of a scene without meshes: [`Frame::build_with_meshes`].
     ///
     /// # Errors
-    /// When a surface's colour, material or instance refers to something that is not there.
+    /// As there.
     pub fn build(
         scene: &Scene,
         fields: Vec<BlobField>,
         settings: &FrameSettings,
     ) -> Result<Self, FrameError> {
+        Self::build_with_meshes(scene, fields, Vec::new(), settings)
+    }
+
+    /// The frame of `scene` with one field per surface and one mesh per `[[mesh]]`, in the scene's
+    /// order.
+    ///
+    /// Instances come in this order: for each surface its `[[instance]]`s (or itself once), then the
+    /// meshes, the spheres, the planes, the ground.
+    ///
+    /// # Errors
+    /// When a surface's colour, material or instance refers to something that is not there.
+    pub fn build_with_meshes(
+        scene: &Scene,
+        fields: Vec<BlobField>,
+        meshes: Vec<MeshSurface>,
+        settings: &FrameSettings,
+    ) -> Result<Self, FrameError> {
+        if meshes.len() != scene.meshes.len() {
+            return Err(FrameError::MeshCount {
+                wanted: scene.meshes.len(),
+                given: meshes.len(),
+            });
+        }
         if fields.len() != scene.surfaces.len() {
             return Err(FrameError::FieldCount {
                 surfaces: scene.surfaces.len(),
@@ -93,12 +121,26 @@ impl Frame {
             lights: resolved_lights(scene, up),
             up,
             background: scene.film.background,
+            clips: scene.clips.iter().map(clip_plane).collect(),
             ..Self::default()
         };
         for (surface, field) in scene.surfaces.iter().zip(fields) {
             frame.add_surface(scene, surface, field, settings)?;
         }
         check_instances(scene)?;
+        let material = |name| plain_material(scene, name, scene::Material::default);
+        for (placed, mesh) in scene.meshes.iter().zip(meshes) {
+            let material = material(placed.material.as_deref())?;
+            frame.add_solid(Geometry::Mesh(Box::new(mesh)), placed.matrix.0, material);
+        }
+        for sphere in &scene.spheres {
+            let material = material(sphere.material.as_deref())?;
+            let geometry = Geometry::Sphere(Sphere {
+                center: sphere.center,
+                radius: sphere.radius,
+            });
+            frame.add_solid(geometry, DAffine3::IDENTITY, material);
+        }
         for plane in &scene.planes {
             let material = plain_material(scene, plane.material.as_deref(), ground_material)?;
             let normal = plane.normal.unwrap_or(up).normalize_or(up);
@@ -159,13 +201,17 @@ impl Frame {
     }
 
     fn add_plane(&mut self, point: DVec3, normal: DVec3, material: Material) {
-        let geometry = self.geometries.len() as u32;
-        let index = self.materials.len() as u32;
-        self.geometries
-            .push(Geometry::Plane(Plane { point, normal }));
+        let plane = Geometry::Plane(Plane { point, normal });
+        self.add_solid(plane, DAffine3::IDENTITY, material);
+    }
+
+    fn add_solid(&mut self, geometry: Geometry, matrix: DAffine3, material: Material) {
+        let index = self.geometries.len() as u32;
+        let own_material = self.materials.len() as u32;
+        self.geometries.push(geometry);
         self.materials.push(material);
         self.instances
-            .push(Instance::new(geometry, DAffine3::IDENTITY, index));
+            .push(Instance::new(index, matrix, own_material));
     }
 
     /// A plane under the middle of [`Frame::framing_bounds`].
@@ -186,6 +232,13 @@ impl Frame {
             radius: if radius > 0.0 { radius } else { 1.0 },
         });
         self.add_plane(foot, self.up, material);
+    }
+}
+
+fn clip_plane(clip: &scene::Clip) -> Plane {
+    Plane {
+        point: clip.point,
+        normal: clip.normal.normalize_or(DVec3::Y),
     }
 }
 

@@ -60,8 +60,8 @@ const RADII: [u16; 119] = [
     275, 262, 258, 246, 242, 245, 245, 244, 240, 163, 140, 139, 187, 229, 185, 190, 185, 202, 321,
     284, 275, 252, 256, 245, 244, 246, 244, 163, 172, 158, 193, 217, 247, 206, 198, 216, 348, 303,
     298, 288, 292, 295, 0, 290, 287, 283, 279, 287, 281, 283, 279, 280, 274, 263, 253, 257, 249,
-    248, 241, 175, 166, 155, 196, 202, 254, 0, 0, 240, 0, 0, 280, 293, 288, 186, 282, 281, 283, 305,
-    340, 305, 270, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    248, 241, 175, 166, 155, 196, 202, 254, 0, 0, 240, 0, 0, 280, 293, 288, 186, 282, 281, 283,
+    305, 340, 305, 270, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
 ];
 
 /// The radius, in ångström, of atoms whose element is not known: that of carbon.
@@ -107,14 +107,32 @@ mod tests {
     fn radii_are_those_of_the_tables() {
         let of = |symbol: &str| van_der_waals_radius(atomic_number(symbol.as_bytes()));
         // Bondi 1964.
-        for (symbol, radius) in [("H", 1.2), ("C", 1.7), ("O", 1.52), ("Cl", 1.75), ("I", 1.98)] {
+        for (symbol, radius) in [
+            ("H", 1.2),
+            ("C", 1.7),
+            ("O", 1.52),
+            ("Cl", 1.75),
+            ("I", 1.98),
+        ] {
             assert_eq!(of(symbol), radius, "{symbol}");
         }
-        for (symbol, radius) in [("Zn", 1.39), ("Xe", 2.16), ("Pt", 1.75), ("Pb", 2.02), ("U", 1.86)] {
+        for (symbol, radius) in [
+            ("Zn", 1.39),
+            ("Xe", 2.16),
+            ("Pt", 1.75),
+            ("Pb", 2.02),
+            ("U", 1.86),
+        ] {
             assert_eq!(of(symbol), radius, "{symbol}");
         }
         // Alvarez 2013.
-        for (symbol, radius) in [("Ca", 2.62), ("Fe", 2.44), ("Cs", 3.48), ("Rn", 2.4), ("Es", 2.7)] {
+        for (symbol, radius) in [
+            ("Ca", 2.62),
+            ("Fe", 2.44),
+            ("Cs", 3.48),
+            ("Rn", 2.4),
+            ("Es", 2.7),
+        ] {
             assert_eq!(of(symbol), radius, "{symbol}");
         }
         for symbol in ["X", "Pm", "Ra", "Og"] {

@@ -1,7 +1,7 @@
 //! What turns particles into a surface: support, kernel, threshold, weights.
 
-use super::colormap::ColorMap;
 use super::attribute::ELEMENT_COLOR;
+use super::colormap::ColorMap;
 use crate::kernel::Kernel;
 use crate::particles::io::Format;
 use serde::{Deserialize, Serialize};

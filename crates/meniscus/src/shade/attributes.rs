@@ -1,14 +1,14 @@
 //! Attributes of particles on the surface, blended by field weight.
 
 use crate::field::Contribution;
-use crate::frame::{Blobs, Frame, Geometry};
+use crate::frame::{Blobs, Frame};
 use crate::intersect::Hit;
 
 /// Names and components of all attributes that any surface of the frame carries, each name once, in
 /// order of first appearance; those of a name's first surface count.
 pub fn frame_attributes(frame: &Frame) -> Vec<(String, usize)> {
     let mut all: Vec<(String, usize)> = Vec::new();
-    for blobs in frame.geometries.iter().filter_map(blobs_of) {
+    for blobs in frame.blobs() {
         for attribute in &blobs.field.attributes {
             if !all.iter().any(|(name, _)| *name == attribute.name) {
                 all.push((attribute.name.clone(), attribute.components));
@@ -16,13 +16,6 @@ pub fn frame_attributes(frame: &Frame) -> Vec<(String, usize)> {
         }
     }
     all
-}
-
-fn blobs_of(geometry: &Geometry) -> Option<&Blobs> {
-    match geometry {
-        Geometry::Blobs(blobs) => Some(blobs),
-        Geometry::Plane(_) => None,
-    }
 }
 
 /// Where the attributes of each geometry go in the list of [`frame_attributes`].
@@ -54,7 +47,7 @@ impl AttributeLayout {
                 .geometries
                 .iter()
                 .map(|geometry| {
-                    blobs_of(geometry).map_or_else(Vec::new, |blobs| {
+                    geometry.blobs().map_or_else(Vec::new, |blobs| {
                         let attributes = blobs.field.attributes.iter();
                         attributes.map(|a| place(&a.name, a.components)).collect()
                     })
@@ -113,7 +106,7 @@ impl SurfaceAttributes {
 /// The blobs that were hit and the hit in their local coordinates.
 fn local_point<'a>(frame: &'a Frame, hit: &Hit) -> Option<(&'a Blobs, glam::DVec3)> {
     let instance = &frame.instances[hit.surface as usize];
-    let blobs = blobs_of(&frame.geometries[instance.geometry as usize])?;
+    let blobs = frame.geometries[instance.geometry as usize].blobs()?;
     let object = instance.object_from_world.transform_point3(hit.position);
     Some((blobs, object - blobs.field.origin))
 }

@@ -35,6 +35,8 @@ pub(crate) struct FrameWork<'a> {
     pub engine: &'a EngineChoice,
     /// What earlier frames left behind.
     pub state: &'a RenderState,
+    /// How far the camera is turned around the object, in radians.
+    pub turn: f64,
 }
 
 /// The scene's camera; what is open frames the objects.
@@ -44,14 +46,34 @@ pub(crate) fn camera(scene: &Scene, frame: &Frame) -> Outcome<Camera> {
         .map_err(|error| Failure::wrong(error.to_string()))
 }
 
+/// Depths between which the framed objects lie.
+fn depth_range(frame: &Frame, camera: &Camera) -> [f64; 2] {
+    let bounds = frame.framing_bounds();
+    let middle = camera.depth(bounds.center());
+    let reach = (bounds.size() * 0.5).dot(camera.forward.abs());
+    [middle - reach, middle + reach]
+}
+
 impl FrameWork<'_> {
-    /// Renders and writes the picture.
-    pub(crate) fn render(&self, reporter: &Reporter) -> Outcome<FrameStats> {
-        let start = Instant::now();
+    /// Reads and builds the frame.
+    pub(crate) fn load(&self, reporter: &Reporter) -> Outcome<LoadedFrame> {
         let aov = &self.options.aov;
-        let loaded = load::load(self.input, self.scene, aov, self.engine, reporter)?;
-        let camera = camera(self.scene, &loaded.frame)?;
-        let (film, rendered) = self.film(&loaded.frame, &camera, reporter)?;
+        load::load(self.input, self.scene, aov, self.engine, reporter)
+    }
+
+    /// Renders and writes the picture.
+    pub(crate) fn render(&self, loaded: &LoadedFrame, reporter: &Reporter) -> Outcome<FrameStats> {
+        let start = Instant::now();
+        let mut camera = camera(self.scene, &loaded.frame)?;
+        if self.turn != 0.0 {
+            let center = loaded.frame.framing_bounds().center();
+            camera = camera.turned(center, loaded.frame.up, self.turn);
+        }
+        let (mut film, rendered) = self.film(&loaded.frame, &camera, reporter)?;
+        if self.scene.cues.are_wanted() {
+            let range = depth_range(&loaded.frame, &camera);
+            film.apply_cues(&self.scene.cues, &camera, range);
+        }
         interrupt::check()?;
         reporter.stage("write");
         let writing = Instant::now();
@@ -65,8 +87,9 @@ impl FrameWork<'_> {
             loaded.build_secs,
             rendered.seconds,
         ));
-        let total_secs = start.elapsed().as_secs_f64();
-        Ok(self.stats(&loaded, &rendered, write_secs, total_secs))
+        let before = loaded.read_secs + loaded.build_secs;
+        let total_secs = before + start.elapsed().as_secs_f64();
+        Ok(self.stats(loaded, &rendered, write_secs, total_secs))
     }
 
     fn film(
@@ -76,7 +99,11 @@ impl FrameWork<'_> {
         reporter: &Reporter,
     ) -> Outcome<(Film, RenderStats)> {
         let film = &self.scene.film;
-        let channels = ChannelSet::new(&self.options.aov, &frame_attributes(frame))
+        let mut aov = self.options.aov.clone();
+        if self.scene.cues.silhouettes > 0.0 {
+            aov.push("normal".to_owned());
+        }
+        let channels = ChannelSet::new(&aov, &frame_attributes(frame))
             .map_err(|error| Failure::wrong(format!("--aov: {error}")))?;
         let settings = RenderSettings {
             region: self.options.region,

@@ -71,12 +71,7 @@ impl Atoms {
         let chain = self.chain_number(atom.chain);
         let occupancy = atom.occupancy.unwrap_or(1.0);
         if !atom.alternate.is_empty() && atom.occupancy.is_some() {
-            let identity = (
-                chain,
-                atom.residue,
-                atom.insertion.into(),
-                atom.name.into(),
-            );
+            let identity = (chain, atom.residue, atom.insertion.into(), atom.name.into());
             let here = self.positions.len();
             let first = *self.alternates.entry(identity).or_insert(here);
             if first != here {

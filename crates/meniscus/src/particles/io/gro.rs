@@ -78,13 +78,17 @@ pub(super) fn read(bytes: &[u8], frame: usize) -> Result<Parsed, ParseError> {
             }
             // A run that still writes leaves an unfinished frame at the end.
             Err(error) if found.is_some() => {
-                ignored = Some(format!("frames from number {frames} on were ignored: {error}"));
+                ignored = Some(format!(
+                    "frames from number {frames} on were ignored: {error}"
+                ));
                 break;
             }
             Err(error) => return Err(error),
         }
     }
-    let mut parsed = found.unwrap_or_default().into_parsed(NM_PER_ANGSTROM, frames)?;
+    let mut parsed = found
+        .unwrap_or_default()
+        .into_parsed(NM_PER_ANGSTROM, frames)?;
     parsed.warnings.extend(ignored);
     Ok(parsed)
 }
@@ -97,7 +101,10 @@ fn read_frame<'a>(
 ) -> Result<Option<Atoms>, ParseError> {
     let expected = "the number of atoms after the title";
     let (line, text) = lines.next().ok_or_else(|| {
-        ParseError::new(Place::Line(title), format!("expected {expected}, the file ends"))
+        ParseError::new(
+            Place::Line(title),
+            format!("expected {expected}, the file ends"),
+        )
     })?;
     let count = count(text).ok_or_else(|| unexpected(line, expected, text))?;
     let cut_short = |read: usize, line: u64| {

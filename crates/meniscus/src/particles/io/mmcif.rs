@@ -195,7 +195,7 @@ impl<'a> Reader<'a> {
             0 => {
                 let residue = either(Column::AuthResidueName, Column::LabelResidueName);
                 element(name, residue, Alignment::None)
-            },
+            }
             number => Some(number),
         };
         let real = |column| get(column).and_then(number).map(|value| value as f32);

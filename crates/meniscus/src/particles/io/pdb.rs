@@ -29,9 +29,7 @@ const COORDINATES: [(Range<usize>, &str); 3] = [
 /// Whether the first record is one of PDB's, or an atom comes early.
 pub(super) fn detect(bytes: &[u8]) -> bool {
     let start = &bytes[..bytes.len().min(1 << 14)];
-    FIRST_RECORDS
-        .iter()
-        .any(|record| start.starts_with(record))
+    FIRST_RECORDS.iter().any(|record| start.starts_with(record))
         || lines(start, 1)
             .take(200)
             .any(|(_, line)| is_atom(line) && line.len() > 46)
@@ -79,7 +77,9 @@ pub(super) fn read(bytes: &[u8], frame: usize) -> Result<Parsed, ParseError> {
 /// The bytes of some columns without the blanks around them, as far as the line goes.
 fn field(line: &[u8], columns: Range<usize>) -> &[u8] {
     let end = columns.end.min(line.len());
-    line.get(columns.start..end).unwrap_or_default().trim_ascii()
+    line.get(columns.start..end)
+        .unwrap_or_default()
+        .trim_ascii()
 }
 
 fn atom<'a>(
@@ -137,7 +137,10 @@ fn atom<'a>(
 
 fn wrong_coordinate(line: &[u8], number: u64, text: &[u8], what: &str) -> ParseError {
     let problem = if text.is_empty() {
-        format!("expected {what}, but the line ends or is blank there ({} bytes)", line.len())
+        format!(
+            "expected {what}, but the line ends or is blank there ({} bytes)",
+            line.len()
+        )
     } else {
         format!("expected {what}, found {}", quote(text))
     };

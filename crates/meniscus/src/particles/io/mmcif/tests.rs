@@ -21,7 +21,12 @@ fn any_order_of_columns_quotes_models_and_alternates() {
     assert!(detect(TWO_MODELS.as_bytes()));
     let parsed = read(TWO_MODELS.as_bytes(), 0).unwrap();
     assert_eq!(parsed.frames, 2);
-    let positions: Vec<_> = parsed.particles.positions.iter().map(|p| p.to_array()).collect();
+    let positions: Vec<_> = parsed
+        .particles
+        .positions
+        .iter()
+        .map(|p| p.to_array())
+        .collect();
     assert_eq!(positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
     assert_eq!(parsed.particles.rows, [0, 2]);
     assert_eq!(*column(&parsed, "atomic_number"), vec![7_u8, 6].into());
@@ -30,7 +35,11 @@ fn any_order_of_columns_quotes_models_and_alternates() {
     assert_eq!(*column(&parsed, "hetero"), vec![0_u8, 1].into());
     assert_eq!(*column(&parsed, "serial"), vec![1, 3].into());
     assert_eq!(*column(&parsed, "occupancy"), vec![1.0_f32, 0.6].into());
-    assert!(parsed.warnings[0].contains("1 alternate location"), "{:?}", parsed.warnings);
+    assert!(
+        parsed.warnings[0].contains("1 alternate location"),
+        "{:?}",
+        parsed.warnings
+    );
     let second = read(TWO_MODELS.as_bytes(), 1).unwrap();
     assert_eq!(second.particles.len(), 1);
     assert!(second.particles.positions[0].y.is_nan());
@@ -66,7 +75,10 @@ fn what_is_wrong_is_said_with_its_line() {
     );
     let cut = &TWO_MODELS[..TWO_MODELS.find("HETATM 3").unwrap()];
     fails(cut, &["line 27", "11 of 13"]);
-    fails(&TWO_MODELS.replace("7 3 1 2", "7 3 x 2"), &["line 25", "Cartn_x", "\"x\""]);
+    fails(
+        &TWO_MODELS.replace("7 3 1 2", "7 3 x 2"),
+        &["line 25", "Cartn_x", "\"x\""],
+    );
 }
 
 #[test]

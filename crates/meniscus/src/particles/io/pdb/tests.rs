@@ -33,21 +33,33 @@ fn columns_alternates_and_charges() {
     assert!(detect(PROTEIN.as_bytes()));
     let parsed = read_text(PROTEIN);
     assert_eq!(parsed.frames, 1);
-    let positions: Vec<_> = parsed.particles.positions.iter().map(|p| p.to_array()).collect();
+    let positions: Vec<_> = parsed
+        .particles
+        .positions
+        .iter()
+        .map(|p| p.to_array())
+        .collect();
     // Of the three alternates the one with the highest occupancy that comes first.
     assert_eq!(
         positions,
         [[-8.901, 4.127, -0.555], [-8.5, 3.0, -1.5], [1.0, 2.0, 3.0]]
     );
     assert_eq!(parsed.particles.rows, [0, 2, 4]);
-    assert!(parsed.warnings[0].contains("2 alternate locations"), "{:?}", parsed.warnings);
+    assert!(
+        parsed.warnings[0].contains("2 alternate locations"),
+        "{:?}",
+        parsed.warnings
+    );
     assert_eq!(numbers(&parsed, "atomic_number"), [7.0, 6.0, 30.0]);
     assert_eq!(*column(&parsed, "radius"), vec![1.55_f32, 1.7, 1.39].into());
     assert_eq!(numbers(&parsed, "serial"), [1.0, 3.0, 5.0]);
     assert_eq!(numbers(&parsed, "residue"), [1.0, 1.0, 101.0]);
     assert_eq!(numbers(&parsed, "chain"), [0.0, 0.0, 1.0]);
     assert_eq!(numbers(&parsed, "hetero"), [0.0, 0.0, 1.0]);
-    assert_eq!(*column(&parsed, "occupancy"), vec![1.0_f32, 0.6, 1.0].into());
+    assert_eq!(
+        *column(&parsed, "occupancy"),
+        vec![1.0_f32, 0.6, 1.0].into()
+    );
     assert_eq!(*column(&parsed, "b_factor"), vec![5.5_f32, 7.0, 9.0].into());
     assert_eq!(numbers(&parsed, "charge"), [0.0, 0.0, 2.0]);
 }
@@ -94,13 +106,31 @@ fn serials_outgrow_their_columns_in_five_ways() {
         serials(&["ATOM  99999", "ATOM  A0000", "ATOM  A000Z"]),
         [99_999.0, 100_000.0, 100_035.0]
     );
-    assert_eq!(serials(&["ATOM  ZZZZZ", "ATOM  a0000"]), [43_770_015.0, 43_770_016.0]);
-    assert_eq!(serials(&["ATOM  99999", "ATOM  186a0", "ATOM  186a1"]), [99_999.0, 1e5, 100_001.0]);
-    assert_eq!(serials(&["ATOM  99999", "ATOM  *****", "ATOM  *****"]), [99_999.0, 1e5, 100_001.0]);
+    assert_eq!(
+        serials(&["ATOM  ZZZZZ", "ATOM  a0000"]),
+        [43_770_015.0, 43_770_016.0]
+    );
+    assert_eq!(
+        serials(&["ATOM  99999", "ATOM  186a0", "ATOM  186a1"]),
+        [99_999.0, 1e5, 100_001.0]
+    );
+    assert_eq!(
+        serials(&["ATOM  99999", "ATOM  *****", "ATOM  *****"]),
+        [99_999.0, 1e5, 100_001.0]
+    );
     let shifted = |line: &str| numbers(&read_text(line), "serial");
-    assert_eq!(shifted("ATOM  100000 CA  GLY A   1       1.000   0.000   0.000\n"), [1e5]);
-    assert_eq!(shifted("ATOM 1000000 CA  GLY A   1       1.000   0.000   0.000\n"), [1e6]);
-    assert_eq!(shifted("HETATM100000 CA  GLY A   1       1.000   0.000   0.000\n"), [1e5]);
+    assert_eq!(
+        shifted("ATOM  100000 CA  GLY A   1       1.000   0.000   0.000\n"),
+        [1e5]
+    );
+    assert_eq!(
+        shifted("ATOM 1000000 CA  GLY A   1       1.000   0.000   0.000\n"),
+        [1e6]
+    );
+    assert_eq!(
+        shifted("HETATM100000 CA  GLY A   1       1.000   0.000   0.000\n"),
+        [1e5]
+    );
 }
 
 #[test]
@@ -133,7 +163,10 @@ fn segments_stand_in_for_chains_and_names_for_elements() {
          ATOM  50292  CLA CLA     7      25.571 -21.402   9.795  1.00  0.00      CLA \n\
          ATOM   1NPC  CA  GLY     7      25.571 -21.402   9.795  1.00  0.00      1NPC 123\n",
     );
-    assert_eq!(numbers(&parsed, "atomic_number"), [7.0, 1.0, 8.0, 17.0, 6.0]);
+    assert_eq!(
+        numbers(&parsed, "atomic_number"),
+        [7.0, 1.0, 8.0, 17.0, 6.0]
+    );
     assert_eq!(numbers(&parsed, "chain"), [0.0, 0.0, 1.0, 2.0, 3.0]);
     assert_eq!(numbers(&parsed, "residue")[2], 8963.0);
 }
@@ -157,7 +190,11 @@ fn what_is_wrong_is_said_with_its_line() {
     );
     let starred = read_text(&PROTEIN.replace("  -8.901", "********"));
     assert!(starred.particles.positions[0].x.is_nan());
-    assert!(starred.warnings.iter().any(|w| w.contains("*****")), "{:?}", starred.warnings);
+    assert!(
+        starred.warnings.iter().any(|w| w.contains("*****")),
+        "{:?}",
+        starred.warnings
+    );
 }
 
 #[test]

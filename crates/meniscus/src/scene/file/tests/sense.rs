@@ -226,7 +226,6 @@ fn what_is_announced_but_not_there_yet_says_so() {
             "\"glass\"",
             "material type `glass`",
         ),
-        ("[[mesh]]\nfile = \"a.obj\"", "[[mesh]]", "[[mesh]]"),
     ];
     for (text, pointed_at, what) in cases {
         let (error, pointed) = error_of(text);
