@@ -1,6 +1,6 @@
 //! Rays: where they start, where they may end, when, and on which side of the surface.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Which side of a surface a point lies on (`F < T` outside, `F > T` inside).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,9 +30,9 @@ impl Side {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RayDifferential {
     /// ∂origin/∂x, ∂origin/∂y.
-    pub origin: [DVec3; 2],
+    pub origin: [Vec3; 2],
     /// ∂direction/∂x, ∂direction/∂y.
-    pub direction: [DVec3; 2],
+    pub direction: [Vec3; 2],
 }
 
 /// A half line `origin + t·direction` with `t` in `[t_min, t_max]`.

@@ -201,6 +201,7 @@ pub fn visit_leaves<'a, S: Simd>(
         near: 0.0,
         far: ray.t_max,
     };
+    let mut next = current;
     let mut level = Level::top(cells);
     loop {
         if current.reference & LEAF != 0 {
@@ -242,29 +243,33 @@ pub fn visit_leaves<'a, S: Simd>(
             let pierced = near.simd_le(far).to_bitmask() as u32;
             let near: [f32; 8] = near.to_array();
             let far: [f32; 8] = far.to_array();
-            if pierced != 0 && pierced & (pierced - 1) == 0 {
-                let slot = pierced.trailing_zeros() as usize & 7;
-                current = Visit {
-                    reference: node.children[slot],
-                    near: near[slot],
-                    far: far[slot],
-                    ..current
-                };
+            if pierced != 0 {
+                // The nearest goes on without the stack: what was just written could not be read back
+                // at once.
+                let top = pierced.count_ones() as usize - 1;
+                let mut rest = pierced;
+                loop {
+                    let slot = rest.trailing_zeros() as usize & 7;
+                    let height = octant.height(node, pierced, slot);
+                    let visit = Visit {
+                        reference: node.children[slot],
+                        near: near[slot],
+                        far: far[slot],
+                        level: current.level,
+                    };
+                    visits[(depth + height) % STACK] = visit;
+                    if height == top {
+                        next = visit;
+                    }
+                    rest &= rest - 1;
+                    if rest == 0 {
+                        break;
+                    }
+                }
+                current = next;
+                depth += top;
                 continue;
             }
-            let mut rest = pierced;
-            while rest != 0 {
-                let slot = rest.trailing_zeros() as usize & 7;
-                rest &= rest - 1;
-                let at = depth + octant.height(node, pierced, slot);
-                visits[at % STACK] = Visit {
-                    reference: node.children[slot],
-                    near: near[slot],
-                    far: far[slot],
-                    ..current
-                };
-            }
-            depth += pierced.count_ones() as usize;
         }
         if depth == 0 {
             return nodes_visited;

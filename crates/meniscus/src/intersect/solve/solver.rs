@@ -6,6 +6,7 @@
 //! no crossing.
 
 use super::active::Active;
+use super::departure::Departure;
 use crate::accel::cells::layout::LANES;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
@@ -17,9 +18,6 @@ const PENDING: usize = 40;
 
 /// Relative rounding of a sum of kernels in f32: below this φ has no sign.
 pub(in crate::intersect) const NOISE: f32 = 4e-7;
-
-/// Relative rounding of a slope, with a margin.
-const SLOPE_NOISE: f32 = 1e-5;
 
 /// Where the samples lie on an interval of which nothing is known: evenly, k/15 of the way.
 const EVEN: [f32; LANES] = {
@@ -194,25 +192,6 @@ impl Solver {
         if self.inside { -above } else { above }
     }
 
-    /// Whether φ falls at a point, by more than its slope's rounding.
-    #[inline(always)]
-    fn falls_at<S: Simd, K: KernelShape>(&self, simd: S, active: &Active, at: f32) -> bool {
-        let zero = f32x16::splat(simd, 0.0);
-        let (mut slope, mut size) = (zero, zero);
-        for first in (0..active.count).step_by(LANES) {
-            let [c, beta, g0, weight] = active.lanes(simd, first);
-            let away = f32x16::splat(simd, at) - c;
-            let pull = away * beta;
-            let g = (g0 - pull * away).max(zero);
-            let term = weight * K::slope(g) * pull;
-            slope -= term;
-            size += term.abs();
-        }
-        let slope = slope.reduce_sum();
-        let slope = if self.inside { -slope } else { slope };
-        slope < -SLOPE_NOISE * size.reduce_sum()
-    }
-
     /// Bounds (−φ″, +φ″) over [from, to], from the blobs whose support meets it.
     #[inline(always)]
     pub(in crate::intersect) fn bend<S: Simd, K: KernelShape>(
@@ -268,7 +247,23 @@ impl FirstCrossing for Solver {
         // negated, and what is found is where the search proper begins.
         let mut returning = segment.entry != Entry::Confirmed;
         let mut start = (segment.from, segment.length);
-        if !self.inside && !returning && segment.from == 0.0 && active.count <= LANES {
+        let mut falls_at_start = false;
+        if segment.entry == Entry::Unconfirmed {
+            let departure = Departure::new::<S, K>(simd, self, active, segment.from);
+            falls_at_start = departure.falls();
+            if falls_at_start {
+                let (_, rise) = self.bend::<S, K>(simd, active, segment.from, segment.length);
+                if let Some(safe) = departure.until(rise) {
+                    if safe >= segment.length {
+                        return Verdict::StaysOnSide;
+                    }
+                    start.0 = safe.max(segment.from);
+                    returning = false;
+                }
+            }
+        }
+        let comes_from_elsewhere = segment.entry == Entry::Confirmed && segment.from == 0.0;
+        if !self.inside && comes_from_elsewhere && active.count <= LANES {
             if active.count == 1 {
                 return self.lone_blob::<K>(active, segment.length);
             }
@@ -321,8 +316,7 @@ impl FirstCrossing for Solver {
                     (phi, returning) = (-phi, false);
                 } else if returning
                     && segment.entry == Entry::Unconfirmed
-                    && (phi.simd_ge(zero).to_bitmask() & 2 == 0
-                        || !self.falls_at::<S, K>(simd, active, from))
+                    && (phi.simd_ge(zero).to_bitmask() & 2 == 0 || !falls_at_start)
                 {
                     return Verdict::Unclear;
                 }

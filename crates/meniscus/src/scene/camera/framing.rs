@@ -74,7 +74,7 @@ impl Camera {
         let towards_eye =
             (side * sin + front * cos) * FRAMING_ELEVATION.cos() + up * FRAMING_ELEVATION.sin();
         let at_target = Self::new(target + towards_eye, target, up, fov, size)?;
-        let [x_reach, y_reach] = at_target.half_extents().map(|reach| reach * FRAMING_FILL);
+        let [x_reach, y_reach] = at_target.half_extents.map(|reach| reach * FRAMING_FILL);
         // A corner c (relative to the target) is inside the picture when |c·right| ≤ reach·depth
         // with depth = distance + c·forward.
         let distance = corners(bounds)

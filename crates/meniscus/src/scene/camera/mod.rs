@@ -8,7 +8,7 @@ pub(super) use framing::horizontal_axes;
 pub use settings::{CameraSettings, Up, UpError};
 
 use crate::math::ray::{Ray, RayDifferential};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// A camera that cannot be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -40,6 +40,8 @@ pub struct Camera {
     pub fov: f64,
     /// Pixels across and down.
     pub size: [u32; 2],
+    /// Half width and half height of the picture at distance 1 along the view axis.
+    half_extents: [f64; 2],
 }
 
 impl Camera {
@@ -66,6 +68,8 @@ impl Camera {
             .filter(|right| right.length_squared() > 1e-12)
             .and_then(DVec3::try_normalize)
             .ok_or(CameraError::Up)?;
+        let half_height = (0.5 * fov).tan();
+        let [width, height] = size.map(f64::from);
         Ok(Self {
             eye,
             forward,
@@ -73,35 +77,38 @@ impl Camera {
             up: right.cross(forward),
             fov,
             size,
+            half_extents: [half_height * width / height, half_height],
         })
     }
 
-    /// Half width and half height of the picture at distance 1 along the view axis.
-    fn half_extents(&self) -> [f64; 2] {
-        let half_height = (0.5 * self.fov).tan();
-        let [width, height] = self.size.map(f64::from);
-        [half_height * width / height, half_height]
-    }
-
-    /// The ray through a point of the film, in pixels from the top left corner (the centre of pixel
-    /// (0, 0) is (0.5, 0.5)). Unit direction, differentials per pixel, side unknown, time 0.
-    pub fn ray(&self, film: [f64; 2]) -> Ray {
-        let [half_width, half_height] = self.half_extents();
+    /// The direction through a point of the film, of length 1 along the view axis.
+    #[inline]
+    fn towards(&self, film: [f64; 2]) -> DVec3 {
+        let [half_width, half_height] = self.half_extents;
         let [width, height] = self.size.map(f64::from);
         let x = (2.0 * film[0] / width - 1.0) * half_width;
         let y = (1.0 - 2.0 * film[1] / height) * half_height;
-        let raw = self.forward + self.right * x + self.up * y;
-        let length = raw.length();
-        let direction = raw / length;
-        let pixel = 2.0 * half_height / height;
+        self.forward + self.right * x + self.up * y
+    }
+
+    /// The ray through a point of the film, in pixels from the top left corner (the centre of pixel
+    /// (0, 0) is (0.5, 0.5)). Unit direction, side unknown, time 0, without differentials.
+    #[inline]
+    pub fn ray(&self, film: [f64; 2]) -> Ray {
+        Ray::new(self.eye, self.towards(film).normalize())
+    }
+
+    /// How [`Camera::ray`] changes from one pixel to the next.
+    pub fn differential(&self, film: [f64; 2]) -> RayDifferential {
+        let towards = self.towards(film);
+        let length = towards.length();
+        let direction = towards / length;
+        let pixel = 2.0 * self.half_extents[1] / f64::from(self.size[1]);
         // d(v/|v|) = (dv − u (u·dv))/|v| with u = v/|v|.
-        let change = |step: DVec3| (step - direction * direction.dot(step)) / length;
-        Ray {
-            differential: Some(RayDifferential {
-                origin: [DVec3::ZERO; 2],
-                direction: [change(self.right * pixel), change(self.up * -pixel)],
-            }),
-            ..Ray::new(self.eye, direction)
+        let change = |step: DVec3| ((step - direction * direction.dot(step)) / length).as_vec3();
+        RayDifferential {
+            origin: [Vec3::ZERO; 2],
+            direction: [change(self.right * pixel), change(self.up * -pixel)],
         }
     }
 
@@ -117,7 +124,7 @@ impl Camera {
         if depth <= 0.0 {
             return None;
         }
-        let [half_width, half_height] = self.half_extents();
+        let [half_width, half_height] = self.half_extents;
         let [width, height] = self.size.map(f64::from);
         let offset = (point - self.eye) / depth;
         Some([
