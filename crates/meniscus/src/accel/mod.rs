@@ -4,6 +4,7 @@ pub mod cells;
 pub mod metaballs;
 pub mod particles;
 pub mod supports;
+pub mod triangles;
 
 use crate::scene::EngineSettings;
 use metaballs::MetaballTree;

@@ -18,6 +18,8 @@ pub enum SupportSource {
         /// How its components are ordered.
         order: MetricOrder,
     },
+    /// Van der Waals radii in ångström, by the column of atomic numbers.
+    Elements,
     /// Half the median distance of nearest neighbours.
     Estimate,
 }

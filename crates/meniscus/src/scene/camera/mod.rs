@@ -2,6 +2,7 @@
 
 mod framing;
 mod settings;
+mod turntable;
 
 pub(crate) use framing::horizontal_axes;
 pub use settings::{CameraSettings, Up, UpError};
