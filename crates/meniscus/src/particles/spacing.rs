@@ -38,8 +38,8 @@ pub fn median_spacing_in(tree: &BoxTree, positions: &[DVec3]) -> Option<f64> {
     median_over(tree, |place| along[place], 1)
 }
 
-/// [`median_spacing_in`] from some [`SAMPLES`] of the points, evenly along the curve; of fewer points it
-/// is the same.
+/// [`median_spacing_in`] from some 65,536 of the points, evenly along the curve; of fewer points it is
+/// the same.
 pub fn typical_spacing_in(tree: &BoxTree, positions: &[DVec3]) -> Option<f64> {
     let stride = positions.len() / SAMPLES;
     if stride < 2 {
