@@ -42,10 +42,8 @@ pub struct Camera {
     pub size: [u32; 2],
     /// Half width and half height of the picture at distance 1 along the view axis.
     half_extents: [f64; 2],
-    /// The direction through the film's top left corner, of length 1 along the view axis.
-    corner: DVec3,
-    /// How that direction changes from pixel to pixel, to the right and down.
-    pixel_steps: [DVec3; 2],
+    /// Side of a pixel at distance 1 along the view axis.
+    pixel_side: f64,
 }
 
 impl Camera {
@@ -72,28 +70,27 @@ impl Camera {
             .filter(|right| right.length_squared() > 1e-12)
             .and_then(DVec3::try_normalize)
             .ok_or(CameraError::Up)?;
-        let up = right.cross(forward);
         let half_height = (0.5 * fov).tan();
         let [width, height] = size.map(f64::from);
-        let half_width = half_height * width / height;
-        let pixel = 2.0 * half_height / height;
         Ok(Self {
             eye,
             forward,
             right,
-            up,
+            up: right.cross(forward),
             fov,
             size,
-            half_extents: [half_width, half_height],
-            corner: forward - right * half_width + up * half_height,
-            pixel_steps: [right * pixel, up * -pixel],
+            half_extents: [half_height * width / height, half_height],
+            pixel_side: 2.0 * half_height / height,
         })
     }
 
     /// The direction through a point of the film, of length 1 along the view axis.
     #[inline(always)]
     fn towards(&self, [x, y]: [f64; 2]) -> DVec3 {
-        self.corner + self.pixel_steps[0] * x + self.pixel_steps[1] * y
+        let [half_width, half_height] = self.half_extents;
+        let to_the_right = x * self.pixel_side - half_width;
+        let upwards = half_height - y * self.pixel_side;
+        self.forward + self.right * to_the_right + self.up * upwards
     }
 
     /// The ray through a point of the film, in pixels from the top left corner (the centre of pixel
@@ -112,7 +109,10 @@ impl Camera {
         let change = |step: DVec3| ((step - direction * direction.dot(step)) / length).as_vec3();
         RayDifferential {
             origin: [Vec3::ZERO; 2],
-            direction: self.pixel_steps.map(change),
+            direction: [
+                change(self.right * self.pixel_side),
+                change(self.up * -self.pixel_side),
+            ],
         }
     }
 
