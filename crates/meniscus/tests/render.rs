@@ -9,6 +9,7 @@ use meniscus::render::{
     Backend, CpuBackend, Progress, RenderError, RenderSettings, RenderState, RenderStats,
 };
 use meniscus::scene::camera::Camera;
+use meniscus::scene::generate::Generator;
 use meniscus::scene::{
     Background, BlobSettings, Color, Ground, Light, Material, Scene, Surface, Weights,
 };
@@ -197,38 +198,58 @@ fn the_ground_shows_the_hard_shadow_of_the_ball_and_none_of_its_own() {
     assert!(shadowed > 50 && lit > 300, "{shadowed} shadowed, {lit} lit");
 }
 
+/// A dense fluid on the ground, whose rays go together.
+fn pool() -> (Frame, Camera) {
+    let generated = Generator::Pool.generate(3000, 1, None).unwrap();
+    let scene = generated.scene;
+    let surface = &scene.surfaces[0];
+    let settings = surface.settings(&BlobSettings::default());
+    let field = BlobField::from_particles(&generated.particles, &settings).unwrap();
+    let frame = Frame::build(&scene, vec![field.field], &FrameSettings::default()).unwrap();
+    let camera = Camera::from_settings(&scene.camera, frame.framing_bounds(), SIZE).unwrap();
+    (frame, camera)
+}
+
 #[test]
 fn any_number_of_threads_tiles_and_sample_ranges_gives_the_same_bits() {
     let center = DVec3::new(0.1, 0.2, 0.3);
     let (_, frame) = ball(center, 1.0, true);
-    let camera = camera(center, 1.0);
-    let with = |change: &dyn Fn(&mut RenderSettings)| {
-        let mut settings = RenderSettings {
-            spp: 6,
-            background: Background::Sky,
-            ..settings()
-        };
-        change(&mut settings);
-        render(&frame, &camera, &settings).0
-    };
-    let whole = with(&|s| s.threads = Some(1));
-    for threads in [2, 8] {
-        assert_eq!(whole, with(&|s| s.threads = Some(threads)));
-    }
+    let (pool, pool_camera) = pool();
     let channels = settings().channels;
-    let full = Region::full(SIZE[0], SIZE[1]);
-    let mut merged = Film::new(SIZE, full, channels, Background::Sky).unwrap();
-    for samples in [3..6, 0..1, 1..3] {
-        for tile in full.tiles(40) {
-            merged
-                .merge(&with(&|s| {
-                    s.region = Some(tile);
-                    s.samples = Some(samples.clone());
-                }))
-                .unwrap();
+    let plain = Arc::new(ChannelSet::new(&["depth", "normal", "id"], &[]).unwrap());
+    for (frame, camera, channels) in [
+        (&frame, &camera(center, 1.0), channels),
+        (&pool, &pool_camera, plain),
+    ] {
+        let with = |change: &dyn Fn(&mut RenderSettings)| {
+            let mut settings = RenderSettings {
+                spp: 6,
+                background: Background::Sky,
+                channels: channels.clone(),
+                ..settings()
+            };
+            change(&mut settings);
+            render(frame, camera, &settings).0
+        };
+        let whole = with(&|s| s.threads = Some(1));
+        for threads in [2, 8] {
+            assert_eq!(whole, with(&|s| s.threads = Some(threads)));
         }
+        let full = Region::full(SIZE[0], SIZE[1]);
+        let mut merged = Film::new(SIZE, full, channels.clone(), Background::Sky).unwrap();
+        // Rectangles that cut through the blocks of rays that are traced together.
+        let rectangles = full.tiles(23);
+        for samples in [3..6, 0..1, 1..3] {
+            for &rectangle in &rectangles {
+                let part = with(&|s| {
+                    s.region = Some(rectangle);
+                    s.samples = Some(samples.clone());
+                });
+                merged.merge(&part).unwrap();
+            }
+        }
+        assert_eq!(whole, merged);
     }
-    assert_eq!(whole, merged);
 }
 
 #[test]

@@ -52,21 +52,27 @@ impl Region {
             && end(other.y, other.height) <= end(self.y, self.height)
     }
 
-    /// The rectangle cut into tiles of at most `side`×`side` pixels, row by row.
+    /// The rectangle cut along the lines of the picture's grid of `side`×`side` tiles, row by row:
+    /// whatever the rectangle, its tiles are parts of those of the whole picture.
     pub fn tiles(&self, side: u32) -> Vec<Self> {
-        let side = side.max(1);
-        let mut tiles = Vec::new();
-        for row in 0..self.height.div_ceil(side) {
-            for column in 0..self.width.div_ceil(side) {
-                tiles.push(Self {
-                    x: self.x + column * side,
-                    y: self.y + row * side,
-                    width: side.min(self.width - column * side),
-                    height: side.min(self.height - row * side),
-                });
-            }
-        }
-        tiles
+        let cuts = |from: u32, length: u32| {
+            let end = from + length;
+            let side = side.max(1);
+            let starts = std::iter::successors(Some(from), move |at| Some((at / side + 1) * side));
+            starts
+                .take_while(move |&at| at < end)
+                .map(move |at| (at, end.min((at / side + 1) * side) - at))
+        };
+        cuts(self.y, self.height)
+            .flat_map(|(y, height)| {
+                cuts(self.x, self.width).map(move |(x, width)| Self {
+                    x,
+                    y,
+                    width,
+                    height,
+                })
+            })
+            .collect()
     }
 
     /// Checks that a picture of `size` can be made and that the rectangle lies within it.

@@ -8,7 +8,7 @@ use crate::frame::{Frame, Geometry};
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::{PixelFilter, PixelSampler};
 use crate::scene::camera::Camera;
-use crate::shade::{Seen, ShadeScratch, ShadeSettings, Shader};
+use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -18,6 +18,9 @@ use std::time::{Duration, Instant};
 /// Side of a tile in pixels: large enough for rays to find their neighbours' data in the cache, small
 /// enough to keep many threads busy to the end.
 const TILE_SIDE: u32 = 16;
+
+/// Side of the blocks of pixels whose rays are traced together; divides [`TILE_SIDE`].
+const BLOCK_SIDE: u32 = 4;
 
 /// Renders on this machine's processor.
 #[derive(Debug, Clone, Copy, Default)]
@@ -198,56 +201,95 @@ impl<'a> Job<'a> {
     ) -> Result<Film, RenderError> {
         let region = tile.region;
         let mut film = self.film(region)?;
-        let mut pixel = 0;
-        for y in region.y..region.y + region.height {
+        let mut block = Block::default();
+        for top in (region.y / BLOCK_SIDE..).map(|row| row * BLOCK_SIDE) {
+            if top >= region.y + region.height {
+                break;
+            }
             if progress.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            for x in region.x..region.x + region.width {
-                for sample in samples.clone() {
-                    let luminance = self.add_sample(&mut film, [x, y], sample, scratch);
-                    if self.settings.noise.is_some() {
-                        tile.noise.add(pixel, luminance);
-                    }
+            for left in (region.x / BLOCK_SIDE..).map(|column| column * BLOCK_SIDE) {
+                if left >= region.x + region.width {
+                    break;
                 }
-                pixel += 1;
+                for sample in samples.clone() {
+                    self.find_first(&mut block, [left, top], sample, scratch);
+                    self.add_block(&mut film, &mut block, tile, sample, scratch);
+                }
             }
         }
         tile.noise.counted(samples.len() as u32);
         Ok(film)
     }
 
-    /// Adds one sample of one pixel; its luminance.
-    fn add_sample(
+    /// Traces the eye's rays of one sample of the block at `left`, `top`: always the whole block, as far
+    /// as the picture has it, so that its rays see the same whatever part of it is wanted.
+    fn find_first(
         &self,
-        film: &mut Film,
-        [x, y]: [u32; 2],
+        block: &mut Block,
+        [left, top]: [u32; 2],
         sample: u32,
         scratch: &mut ShadeScratch,
-    ) -> f64 {
-        let mut sampler = PixelSampler::new([x, y], sample, self.settings.seed);
-        let position = self
-            .filter
-            .film_position([x, y], self.settings.spp, &mut sampler);
-        let ray = Ray {
-            side: self.eye_side,
-            ..self.camera.ray(position)
-        };
-        let seen = self.shader.sample(&ray, &mut sampler, scratch);
-        let offset = [
-            position[0] - f64::from(x) - 0.5,
-            position[1] - f64::from(y) - 0.5,
-        ];
-        let sample_seen = PixelSample {
-            radiance: seen.radiance,
-            coverage: seen.coverage,
-            backdrop: seen.backdrop,
-            albedo: seen.albedo,
-            surface: self.surface_sample(&seen),
-            attributes: scratch.attributes(),
-        };
-        film.add(x, y, sample, offset, &sample_seen);
-        luminance(Vec3::from_array(seen.radiance))
+    ) {
+        block.starts.clear();
+        block.eye.rays.clear();
+        let [width, height] = self.camera.size;
+        for y in top..(top + BLOCK_SIDE).min(height) {
+            for x in left..(left + BLOCK_SIDE).min(width) {
+                let mut sampler = PixelSampler::new([x, y], sample, self.settings.seed);
+                let position = self
+                    .filter
+                    .film_position([x, y], self.settings.spp, &mut sampler);
+                block.eye.rays.push(Ray {
+                    side: self.eye_side,
+                    ..self.camera.ray(position)
+                });
+                block.starts.push(Start {
+                    pixel: [x, y],
+                    position,
+                    sampler,
+                });
+            }
+        }
+        self.shader.find_first(&mut block.eye, scratch);
+    }
+
+    /// Adds one sample of the pixels of `block` that lie in the film.
+    fn add_block(
+        &self,
+        film: &mut Film,
+        block: &mut Block,
+        tile: &mut Tile,
+        sample: u32,
+        scratch: &mut ShadeScratch,
+    ) {
+        for (index, start) in block.starts.iter_mut().enumerate() {
+            let [x, y] = start.pixel;
+            let Some(pixel) = tile.region.index(x, y) else {
+                continue;
+            };
+            let seen = self
+                .shader
+                .sample(&block.eye, index, &mut start.sampler, scratch);
+            let offset = [
+                start.position[0] - f64::from(x) - 0.5,
+                start.position[1] - f64::from(y) - 0.5,
+            ];
+            let sample_seen = PixelSample {
+                radiance: seen.radiance,
+                coverage: seen.coverage,
+                backdrop: seen.backdrop,
+                albedo: seen.albedo,
+                surface: self.surface_sample(&seen),
+                attributes: scratch.attributes(),
+            };
+            film.add(x, y, sample, offset, &sample_seen);
+            if self.settings.noise.is_some() {
+                let luminance = luminance(Vec3::from_array(seen.radiance));
+                tile.noise.add(pixel, luminance);
+            }
+        }
     }
 
     fn surface_sample(&self, seen: &Seen) -> Option<SurfaceSample> {
@@ -260,6 +302,20 @@ impl<'a> Job<'a> {
             surface: hit.surface,
         })
     }
+}
+
+/// A sample of a pixel before it is traced.
+struct Start {
+    pixel: [u32; 2],
+    position: [f64; 2],
+    sampler: PixelSampler,
+}
+
+/// One sample of the pixels of a block; buffers that are reused.
+#[derive(Default)]
+struct Block {
+    starts: Vec<Start>,
+    eye: EyeRays,
 }
 
 /// A tile and what is known of its noise.

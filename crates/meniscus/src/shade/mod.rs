@@ -12,4 +12,4 @@ mod world;
 pub use attributes::{AttributeLayout, frame_attributes};
 pub use integrator::{ShadeSettings, Shader};
 pub use light::Sky;
-pub use rays::{RayCounts, Seen, ShadeScratch};
+pub use rays::{EyeRays, RayCounts, Seen, ShadeScratch};

@@ -62,6 +62,20 @@ pub struct Seen {
     pub row: Option<u32>,
 }
 
+/// Rays of the eye that are traced together: one sample of neighbouring pixels.
+///
+/// What one of them finds may depend on the others in its last bits. So that pictures do not depend
+/// on regions, tiles or threads, the same rays always have to go together.
+#[derive(Debug, Default)]
+pub struct EyeRays {
+    /// The rays, unit directions.
+    pub rays: Vec<Ray>,
+    /// What they hit first.
+    pub(super) hits: Vec<Option<Hit>>,
+    /// Of integrator `shaded`: whether something stands before light l at hit i, at l·rays + i.
+    pub(super) shadowed: Vec<bool>,
+}
+
 /// Buffers that one thread reuses from ray to ray, and its counts.
 #[derive(Debug, Default)]
 pub struct ShadeScratch {
@@ -69,7 +83,7 @@ pub struct ShadeScratch {
     pub trace: Scratch,
     /// Rays so far.
     pub rays: RayCounts,
-    /// Of integrator `ao`.
+    /// Of integrators `ao` and `shaded`.
     pub(super) bundle: Bundle,
     pub(super) attributes: SurfaceAttributes,
 }
@@ -82,9 +96,10 @@ impl ShadeScratch {
     }
 }
 
-/// Rays that start together, and what became of them.
+/// Rays that start together, what became of them, and whose they are.
 #[derive(Debug, Default)]
 pub(super) struct Bundle {
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<bool>,
+    pub(super) owners: Vec<usize>,
 }

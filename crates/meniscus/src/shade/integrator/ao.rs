@@ -1,6 +1,7 @@
 //! Integrator `ao`: how much of the half space over a surface is open.
 
 use super::{Gathered, Shader};
+use crate::intersect::Hit;
 use crate::math::ray::Ray;
 use crate::math::sampling::{PixelSampler, cosine_hemisphere};
 use crate::shade::ShadeScratch;
@@ -12,11 +13,12 @@ impl Shader<'_> {
     pub(super) fn ambient_occlusion(
         &self,
         ray: &Ray,
+        first: Option<Hit>,
         sampler: &mut PixelSampler,
         scratch: &mut ShadeScratch,
     ) -> Gathered {
         let world = &self.world;
-        let Some(hit) = world.frame.closest_hit(ray, &mut scratch.trace) else {
+        let Some(hit) = first else {
             return Gathered::nothing(world.behind(ray.direction));
         };
         let (color, _) = world.look(&hit, scratch);

@@ -8,11 +8,10 @@ mod whitted;
 
 use super::gloss::Gloss;
 use super::medium::MediumStack;
-use super::rays::{Seen, ShadeScratch};
+use super::rays::{EyeRays, Seen, ShadeScratch};
 use super::world::World;
 use crate::frame::Frame;
 use crate::intersect::Hit;
-use crate::math::ray::Ray;
 use crate::math::sampling::PixelSampler;
 use crate::scene::{Background, IntegratorKind, IntegratorSettings};
 use ambient::Ambient;
@@ -111,20 +110,38 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What `ray` (from the eye, unit direction) sees, with the random numbers of its sample.
+    /// Traces the eye's rays to the first surfaces; [`Shader::sample`] goes on from there.
+    pub fn find_first(&self, eye: &mut EyeRays, scratch: &mut ShadeScratch) {
+        eye.hits.clear();
+        eye.hits.resize(eye.rays.len(), None);
+        self.world
+            .frame
+            .closest_hits(&eye.rays, &mut eye.hits, &mut scratch.trace);
+        if self.settings.integrator.kind == IntegratorKind::Shaded {
+            self.find_shadows(eye, scratch);
+        }
+    }
+
+    /// What ray `index` of `eye` sees, with the random numbers of its sample; [`Shader::find_first`] has
+    /// run.
+    ///
+    /// # Panics
+    /// If `eye` has no such ray.
     pub fn sample(
         &self,
-        ray: &Ray,
+        eye: &EyeRays,
+        index: usize,
         sampler: &mut PixelSampler,
         scratch: &mut ShadeScratch,
     ) -> Seen {
+        let (ray, first) = (&eye.rays[index], eye.hits[index]);
         scratch.rays.primary += 1;
         scratch.attributes.all.clear();
         let gathered = match self.settings.integrator.kind {
-            IntegratorKind::Shaded => self.shaded(ray, scratch),
-            IntegratorKind::Whitted => self.whitted(ray, scratch),
-            IntegratorKind::Ao => self.ambient_occlusion(ray, sampler, scratch),
-            IntegratorKind::Path => self.path(ray, sampler, scratch),
+            IntegratorKind::Shaded => self.shaded(eye, index, scratch),
+            IntegratorKind::Whitted => self.whitted(ray, first, scratch),
+            IntegratorKind::Ao => self.ambient_occlusion(ray, first, sampler, scratch),
+            IntegratorKind::Path => self.path(ray, first, sampler, scratch),
         };
         let Some((hit, color)) = gathered.first else {
             return Seen {

@@ -54,6 +54,7 @@ impl Shader<'_> {
     pub(super) fn path(
         &self,
         ray: &Ray,
+        first: Option<Hit>,
         sampler: &mut PixelSampler,
         scratch: &mut ShadeScratch,
     ) -> Gathered {
@@ -69,11 +70,14 @@ impl Shader<'_> {
             density: f64::INFINITY,
             is_spread: false,
         };
+        let mut known = Some(first);
         let mut first = None;
         let mut is_covered = false;
         let mut false_boundaries = 0;
         loop {
-            let hit = world.frame.closest_hit(&path.ray, &mut scratch.trace);
+            let hit = known
+                .take()
+                .unwrap_or_else(|| world.frame.closest_hit(&path.ray, &mut scratch.trace));
             let end = hit.map_or(f64::INFINITY, |hit| hit.t);
             if let Some((t, found)) = world.lights.met(path.ray.origin, path.ray.direction, end) {
                 let left = world.absorbed(&path.ray, t, &path.media, scratch);

@@ -4,8 +4,8 @@
 use super::{Gathered, Shader};
 use crate::intersect::Hit;
 use crate::math::ray::{Ray, Side};
-use crate::shade::ShadeScratch;
 use crate::shade::light::LightSample;
+use crate::shade::{EyeRays, ShadeScratch};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
@@ -13,12 +13,57 @@ use std::f32::consts::FRAC_1_PI;
 const WALL_TRANSMISSION: f32 = 0.6;
 
 impl Shader<'_> {
-    pub(super) fn shaded(&self, ray: &Ray, scratch: &mut ShadeScratch) -> Gathered {
-        let Some(hit) = self.world.frame.closest_hit(ray, &mut scratch.trace) else {
+    /// Looks for what stands between the hits and the lights, light by light. A shadow ray starts at
+    /// the hit itself, on the stated outer side; no offset is needed.
+    pub(super) fn find_shadows(&self, eye: &mut EyeRays, scratch: &mut ShadeScratch) {
+        let count = eye.rays.len();
+        eye.shadowed.clear();
+        eye.shadowed
+            .resize(count * self.world.lights.count(), false);
+        let mut bundle = std::mem::take(&mut scratch.bundle);
+        for light in 0..self.world.lights.count() {
+            bundle.rays.clear();
+            bundle.owners.clear();
+            for (owner, (ray, hit)) in eye.rays.iter().zip(&eye.hits).enumerate() {
+                let Some(hit) = hit else {
+                    continue;
+                };
+                let sample = self.world.lights.hard_of(light, hit.position);
+                let Some(sample) = sample.filter(|sample| faces(hit, sample)) else {
+                    continue;
+                };
+                bundle.rays.push(Ray {
+                    time: ray.time,
+                    t_max: sample.distance,
+                    ..Ray::new(hit.position, sample.towards).with_side(Side::Outside)
+                });
+                bundle.owners.push(owner);
+            }
+            bundle.hits.clear();
+            bundle.hits.resize(bundle.rays.len(), false);
+            self.world
+                .frame
+                .any_hits(&bundle.rays, &mut bundle.hits, &mut scratch.trace);
+            for (&owner, &is_blocked) in bundle.owners.iter().zip(&bundle.hits) {
+                eye.shadowed[light * count + owner] = is_blocked;
+            }
+        }
+        scratch.bundle = bundle;
+    }
+
+    /// What ray `index` sees; [`Shader::find_shadows`] has run.
+    pub(super) fn shaded(
+        &self,
+        eye: &EyeRays,
+        index: usize,
+        scratch: &mut ShadeScratch,
+    ) -> Gathered {
+        let ray = &eye.rays[index];
+        let Some(hit) = eye.hits[index] else {
             return Gathered::nothing(self.world.behind(ray.direction));
         };
         let (color, _) = self.world.look(&hit, scratch);
-        let lit = self.lit(ray, &hit, color, scratch);
+        let lit = self.lit(ray, &hit, color, (eye, index), scratch);
         Gathered::surface(lit, hit, color)
     }
 
@@ -26,7 +71,14 @@ impl Shader<'_> {
     ///
     /// Seen from inside the fluid, a wall shows part of the diffuse light on its outer side: so an
     /// eye in the fluid sees shapes and shadows, and nothing shines there that is lit from nowhere.
-    fn lit(&self, ray: &Ray, hit: &Hit, albedo: Vec3, scratch: &mut ShadeScratch) -> Vec3 {
+    fn lit(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        albedo: Vec3,
+        (eye, index): (&EyeRays, usize),
+        scratch: &mut ShadeScratch,
+    ) -> Vec3 {
         let towards_eye = -ray.direction;
         let from_inside = hit.normal.dot(towards_eye) < 0.0;
         // A shading normal may turn away from the eye where the face does not.
@@ -43,12 +95,15 @@ impl Shader<'_> {
 
         let mut diffuse = Vec3::ZERO;
         let mut specular = Vec3::ZERO;
-        for light in self.world.lights.hard(hit.position) {
-            let nl = normal.dot(light.towards) as f32;
-            let is_behind_face = hit.normal.dot(light.towards) <= 0.0;
-            if nl <= 0.0 || is_behind_face || self.is_shadowed(ray, hit, &light, scratch) {
+        for (number, light) in self.world.lights.hard(hit.position) {
+            if !faces(hit, &light) {
                 continue;
             }
+            scratch.rays.shadow += 1;
+            if eye.shadowed[number * eye.rays.len() + index] {
+                continue;
+            }
+            let nl = normal.dot(light.towards) as f32;
             let radiance = light.weight * FRAC_1_PI;
             diffuse += radiance * nl;
             if let Some(gloss) = gloss {
@@ -66,22 +121,9 @@ impl Shader<'_> {
         }
         albedo * diffuse * (1.0 - coat) + specular
     }
+}
 
-    /// Whether something stands between a hit and a light. The shadow ray starts at the hit itself, on
-    /// the stated outer side; no offset is needed.
-    fn is_shadowed(
-        &self,
-        ray: &Ray,
-        hit: &Hit,
-        light: &LightSample,
-        scratch: &mut ShadeScratch,
-    ) -> bool {
-        scratch.rays.shadow += 1;
-        let shadow_ray = Ray {
-            time: ray.time,
-            t_max: light.distance,
-            ..Ray::new(hit.position, light.towards).with_side(Side::Outside)
-        };
-        self.world.frame.any_hit(&shadow_ray, &mut scratch.trace)
-    }
+/// Whether a hit is turned towards a light.
+fn faces(hit: &Hit, light: &LightSample) -> bool {
+    hit.shading_normal.dot(light.towards) > 0.0 && hit.normal.dot(light.towards) > 0.0
 }

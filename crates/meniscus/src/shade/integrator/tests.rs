@@ -5,6 +5,7 @@ use crate::field::{BlobField, FieldAttribute, Search};
 use crate::frame::{FrameSettings, Light};
 use crate::intersect::Scratch;
 use crate::kernel::Kernel;
+use crate::math::ray::Ray;
 use crate::primitive::Shapes;
 use crate::scene::{Color, Ground, Instance, Material, MaterialKind, Plane, Scene, Surface};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -64,6 +65,21 @@ fn path_settings(depth: u32) -> ShadeSettings {
     }
 }
 
+/// What one ray alone sees.
+fn see(
+    shader: &Shader<'_>,
+    ray: &Ray,
+    sampler: &mut PixelSampler,
+    scratch: &mut ShadeScratch,
+) -> Seen {
+    let mut eye = EyeRays {
+        rays: vec![*ray],
+        ..EyeRays::default()
+    };
+    shader.find_first(&mut eye, scratch);
+    shader.sample(&eye, 0, sampler, scratch)
+}
+
 /// Mean, and standard error of the mean, of `count` samples along one ray, green.
 fn mean(frame: &Frame, settings: &ShadeSettings, ray: &Ray, count: u32) -> (f64, f64) {
     let settings = ShadeSettings {
@@ -76,7 +92,7 @@ fn mean(frame: &Frame, settings: &ShadeSettings, ray: &Ray, count: u32) -> (f64,
     for i in 0..count {
         let mut sampler = PixelSampler::new([3, 5], i, 0);
         sampler.next_2d();
-        let light = f64::from(shader.sample(ray, &mut sampler, &mut scratch).radiance[1]);
+        let light = f64::from(see(&shader, ray, &mut sampler, &mut scratch).radiance[1]);
         sum += light;
         squares += light * light;
     }
@@ -427,7 +443,7 @@ fn an_eye_in_water_sees_total_reflection_beyond_the_critical_angle() {
         scratch.rays = Default::default();
         let seen = (0..64).map(|i| {
             let mut sampler = PixelSampler::new([0, 0], i, 0);
-            shader.sample(&ray, &mut sampler, &mut scratch).radiance[0]
+            see(&shader, &ray, &mut sampler, &mut scratch).radiance[0]
         });
         assert!(seen.count() == 64 && angle < FRAC_PI_2);
         assert_eq!(scratch.rays.refraction == 0, is_total, "{angle}");

@@ -35,8 +35,13 @@ impl Seen {
 }
 
 impl Shader<'_> {
-    pub(super) fn whitted(&self, ray: &Ray, scratch: &mut ShadeScratch) -> Gathered {
-        let seen = self.branch(*ray, self.media, 0, 1.0, scratch);
+    pub(super) fn whitted(
+        &self,
+        ray: &Ray,
+        first: Option<Hit>,
+        scratch: &mut ShadeScratch,
+    ) -> Gathered {
+        let seen = self.branch(*ray, first, self.media, 0, 1.0, scratch);
         Gathered {
             radiance: seen.light,
             first: seen.first,
@@ -44,10 +49,12 @@ impl Shader<'_> {
         }
     }
 
-    /// Light along `ray`, which counts with `weight` in the picture and was turned `level` times.
+    /// Light along `ray`, whose first surface is `hit`, which counts with `weight` in the picture and
+    /// was turned `level` times.
     fn branch(
         &self,
         mut ray: Ray,
+        mut hit: Option<Hit>,
         mut media: MediumStack,
         level: u32,
         weight: f32,
@@ -56,7 +63,6 @@ impl Shader<'_> {
         let world = &self.world;
         let mut left = Vec3::ONE;
         for _ in 0..MAX_FALSE_BOUNDARIES {
-            let hit = world.frame.closest_hit(&ray, &mut scratch.trace);
             let end = hit.map_or(f64::INFINITY, |hit| hit.t);
             if let Some((t, found)) = world.lights.met(ray.origin, ray.direction, end) {
                 left *= world.absorbed(&ray, t, &media, scratch);
@@ -64,7 +70,7 @@ impl Shader<'_> {
                 return Seen::light(left * found.radiance * scale, true);
             }
             left *= world.absorbed(&ray, end, &media, scratch);
-            let Some(hit) = hit else {
+            let Some(met) = hit else {
                 let behind = if level == 0 {
                     world.behind(ray.direction)
                 } else {
@@ -72,21 +78,22 @@ impl Shader<'_> {
                 };
                 return Seen::light(left * behind, false);
             };
-            if let Some(point) = world.interaction(&ray, hit, &media, 0.0, scratch) {
+            if let Some(point) = world.interaction(&ray, met, &media, 0.0, scratch) {
                 let mut light = self.turned(&ray, &point, &media, level, weight, scratch);
-                let opacity = world.opacity(&hit);
+                let opacity = world.opacity(&met);
                 if level > 0 && opacity < 1.0 {
                     let behind = world.surroundings_or_backdrop(ray.direction);
                     light = light * opacity + behind * (1.0 - opacity);
                 }
                 return Seen {
                     light: left * light,
-                    first: Some((hit, point.color)),
+                    first: Some((met, point.color)),
                     is_covered: true,
                 };
             }
-            media = media.crossed(hit.surface, hit.entering);
-            ray = passed(&ray, &hit);
+            media = media.crossed(met.surface, met.entering);
+            ray = passed(&ray, &met);
+            hit = world.frame.closest_hit(&ray, &mut scratch.trace);
         }
         Seen::light(Vec3::ZERO, true)
     }
@@ -118,7 +125,9 @@ impl Shader<'_> {
                 point.beyond
             };
             count(&mut scratch.rays, scattering);
-            part * self.branch(ray, media, level + 1, weight, scratch).light
+            let hit = world.frame.closest_hit(&ray, &mut scratch.trace);
+            let seen = self.branch(ray, hit, media, level + 1, weight, scratch);
+            part * seen.light
         };
         let (material, _) = world.material(point.hit.surface);
         match material.kind {
@@ -166,7 +175,7 @@ impl Shader<'_> {
             return Vec3::ZERO;
         }
         let mut sum = Vec3::ZERO;
-        for light in self.world.lights.hard(point.hit.position) {
+        for (_, light) in self.world.lights.hard(point.hit.position) {
             let local = point.to_local(light.towards);
             let scattered = point.bsdf.evaluate(point.view, local);
             if scattered == Vec3::ZERO {

@@ -259,11 +259,20 @@ impl Lights {
         light.importance(point) / total * light.density(point, direction)
     }
 
-    /// The lights as single directions, for hard shadows.
-    pub(super) fn hard(&self, point: DVec3) -> impl Iterator<Item = LightSample> {
-        self.emitters
-            .iter()
-            .filter_map(move |emitter| emitter.hard(point))
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.emitters.len()
+    }
+
+    /// Light `index` as a single direction, for hard shadows; `None` for what surrounds everything.
+    pub(super) fn hard_of(&self, index: usize, point: DVec3) -> Option<LightSample> {
+        self.emitters.get(index)?.hard(point)
+    }
+
+    /// The lights as single directions, for hard shadows, with their indices.
+    pub(super) fn hard(&self, point: DVec3) -> impl Iterator<Item = (usize, LightSample)> {
+        let emitters = self.emitters.iter().enumerate();
+        emitters.filter_map(move |(index, emitter)| Some((index, emitter.hard(point)?)))
     }
 
     /// What a ray sees that leaves everything behind, light by light.
