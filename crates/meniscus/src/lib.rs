@@ -6,6 +6,7 @@
 
 pub mod math;
 pub mod particles;
+pub mod mesh;
 pub mod kernel;
 pub mod primitive;
 pub mod scene;

@@ -44,6 +44,21 @@ fn sample_files() -> Vec<(String, Vec<u8>)> {
             "frames",
             "1\na\nHe 0 1 2\n1\nProperties=species:S:1:pos:R:3:m:I:2 Lattice=\"1 0 0\"\nH 3 4 5 6 7\n",
         ),
+        (
+            "pdb",
+            "MODEL 1\nATOM      1  CA AALA A   1      -8.901   4.127  -0.555  0.40  5.50           C\n\
+            ATOM  A0000  CA BALA A   1      -8.608   3.135  -1.618  0.60  6.00      PROA\nENDMDL\n\
+            MODEL 2\nHETATM    1 ZN    ZN B 101A      1.000   2.000   3.000  1.00  9.00          ZN2+\n",
+        ),
+        (
+            "mmcif",
+            "data_T\nloop_\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n\
+            _atom_site.label_atom_id\n1 2 3(1) CA\n4 5 ? \"C'\"\n_a\n;text\n;\n",
+        ),
+        (
+            "gro",
+            "t= 0\n 1\n    1SOL     OW    1   0.230   0.628   0.113  0.1000 -0.2000  0.3000\n 1 1 1\n",
+        ),
         ("rows", "# rho x y z\n1 2 3 4\n5 6 7 8.5\n"),
     ] {
         files.push((name.to_owned(), text.as_bytes().to_vec()));

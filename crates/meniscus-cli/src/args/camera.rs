@@ -22,7 +22,7 @@ pub(crate) struct CameraArgs {
     /// Direction towards the sun [default: high, to one side behind the camera]
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
     pub light: Option<Triple>,
-    /// Cut the object open along a plane (not available yet)
-    #[arg(long, value_name = "PLANE", allow_hyphen_values = true, hide = true)]
-    pub clip: Option<String>,
+    /// Cut the objects open; what stays is written as x<0.5, z>-1 or nx,ny,nz,d for n·p < d (repeatable)
+    #[arg(long, value_name = "PLANE", allow_hyphen_values = true)]
+    pub clip: Vec<String>,
 }

@@ -17,6 +17,8 @@ Examples:
   meniscus render fluid.vtk -o fluid.exr --aov all
   meniscus render scene.toml -o scene.png --set surface.0.threshold=0.5
   meniscus render fluid.vtk -o fluid.png --up z --light -1,2,3 --camera-eye -4,-3,2
+  meniscus render 1ubq.pdb -o 1ubq.png --silhouettes --depth-shading --clip 'z<0'
+  meniscus render fluid.vtk -o 'turn_{}.png' --turntable 36
   meniscus render fluid.vtk -o fluid.png --filter '|velocity| < 8 && y > -0.2'
 
 A {} in INPUT stands for the frame number, and in OUT for the same number with the same padding
@@ -56,8 +58,8 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub shutter: Option<f64>,
-    /// Turn the camera once around the object in N pictures (not available yet)
-    #[arg(long, value_name = "N", hide = true)]
+    /// Turn the camera once around the object in N pictures; OUT needs a {}
+    #[arg(long, value_name = "N", help_heading = "Frames")]
     pub turntable: Option<u32>,
 
     /// Pixels [default: 1280x720]
@@ -134,7 +136,8 @@ pub(crate) struct RenderArgs {
     /// clay, preview
     #[arg(long, value_name = "NAME", help_heading = "Look")]
     pub preset: Option<String>,
-    /// Colour by a column: a number, a vector's magnitude, or a component such as velocity.y
+    /// Colour by a column: a number, a vector's magnitude, or a component such as velocity.y; by
+    /// element (atoms), or color (the file's own)
     #[arg(
         long,
         value_name = "NAME",
@@ -153,6 +156,28 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub color_range: Option<ValueRange>,
+
+    /// Dark lines where things end or turn away, 0 to 1; as --silhouettes=0.5 [default: 0, alone: 1]
+    #[arg(
+        long,
+        value_name = "X",
+        help_heading = "Look",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1"
+    )]
+    pub silhouettes: Option<f64>,
+    /// Darken what lies behind something near (unsharp masking of the depth); as
+    /// --depth-shading=0.5 [default: 0, alone: 1]
+    #[arg(
+        long,
+        value_name = "X",
+        help_heading = "Look",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1"
+    )]
+    pub depth_shading: Option<f64>,
 
     /// Channels of an EXR beside RGBA and Z: all, or of depth, position, normal, albedo, id, surface,
     /// samples and names of columns

@@ -7,8 +7,10 @@ use crate::job::input::{self, FrameInput, Inputs};
 use crate::job::scene::{apply_camera, apply_surface, scene_failure};
 use crate::progress::Reporter;
 use meniscus::field::BlobField;
+use meniscus::frame::MeshSurface;
 use meniscus::math::DVec3;
 use meniscus::math::aabb::DAabb;
+use meniscus::mesh;
 use meniscus::particles::io::{self, ParticleFile};
 use meniscus::particles::{Column, spacing};
 use meniscus::scene::{BlobSettings, Scene, Surface, Weights};
@@ -53,13 +55,28 @@ struct Bounds {
     max: [f64; 3],
 }
 
-/// The contract's object, and one per surface where a scene has several.
+/// What is said of a `[[mesh]]`.
+#[derive(Debug, Serialize)]
+struct MeshInfo {
+    file: String,
+    format: &'static str,
+    vertices: usize,
+    triangles: usize,
+    /// Whether it encloses something.
+    closed: bool,
+    bounds: Option<Bounds>,
+    warnings: Vec<String>,
+}
+
+/// The contract's object, one per surface where a scene has several, and what else stands in it.
 #[derive(Debug, Serialize)]
 struct Printed<'a> {
     #[serde(flatten)]
-    first: &'a Info,
+    first: Option<&'a Info>,
     #[serde(skip_serializing_if = "<[Info]>::is_empty")]
     surfaces: &'a [Info],
+    #[serde(skip_serializing_if = "<[MeshInfo]>::is_empty")]
+    meshes: &'a [MeshInfo],
 }
 
 /// Runs the command.
@@ -77,21 +94,27 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome {
     for (surface, path) in first.scene.surfaces.iter().zip(&first.files) {
         all.push(info(surface, path, &inputs)?);
     }
-    let Some(info) = all.first() else {
-        return Err(Failure::wrong("the scene has no surface"));
-    };
+    let meshes: Vec<MeshInfo> = (first.scene.meshes.iter())
+        .map(|mesh| mesh_info(&mesh.file))
+        .collect::<Outcome<_>>()?;
+    if all.is_empty() && meshes.is_empty() {
+        return Err(Failure::wrong("the scene has no surface and no mesh"));
+    }
     let text = if args.json {
         let printed = Printed {
-            first: info,
+            first: all.first(),
             surfaces: if all.len() > 1 { &all } else { &[] },
+            meshes: &meshes,
         };
         serde_json::to_string_pretty(&printed).map_err(|error| Failure::work(error.to_string()))?
     } else {
-        let texts: Vec<String> = all.iter().map(described).collect();
+        let surfaces = all.iter().map(described);
+        let texts: Vec<String> = surfaces.chain(meshes.iter().map(described_mesh)).collect();
         texts.join("\n")
     };
     if args.json {
-        for warning in all.iter().flat_map(|info| &info.warnings) {
+        let of_meshes = meshes.iter().flat_map(|mesh| &mesh.warnings);
+        for warning in all.iter().flat_map(|info| &info.warnings).chain(of_meshes) {
             reporter.note(&format!("warning: {warning}"));
         }
     }
@@ -102,7 +125,7 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome {
 fn info(surface: &Surface, path: &Path, inputs: &Inputs) -> Outcome<Info> {
     let FrameInput { step, .. } = inputs.first;
     let file = io::read(path, step).map_err(|error| Failure::work(error.to_string()))?;
-    let settings = surface.settings(&BlobSettings::default());
+    let settings = surface.settings(&BlobSettings::of_format(file.format));
     let mut warnings = file.warnings.clone();
     let built = BlobField::from_particles(&file.particles, &settings);
     let (radius, support, support_min, neighbours, gap) = match &built {
@@ -138,6 +161,40 @@ fn info(surface: &Surface, path: &Path, inputs: &Inputs) -> Outcome<Info> {
         neighbours_per_support: neighbours,
         warnings,
     })
+}
+
+fn mesh_info(path: &Path) -> Outcome<MeshInfo> {
+    let file = mesh::io::read(path).map_err(|error| Failure::wrong(error.to_string()))?;
+    let (surface, notes) = MeshSurface::build(&file.mesh);
+    Ok(MeshInfo {
+        file: path.display().to_string(),
+        format: file.format.name(),
+        vertices: file.mesh.positions.len(),
+        triangles: file.mesh.triangles.len(),
+        closed: surface.is_closed,
+        bounds: bounds(&file.mesh.positions),
+        warnings: file.warnings.into_iter().chain(notes).collect(),
+    })
+}
+
+fn described_mesh(mesh: &MeshInfo) -> String {
+    let mut text = format!(
+        "{}: {} mesh, {} vertices, {} triangles, {}",
+        mesh.file,
+        mesh.format,
+        mesh.vertices,
+        mesh.triangles,
+        if mesh.closed { "closed" } else { "open" },
+    );
+    if let Some(bounds) = &mesh.bounds {
+        let corner = |corner: [f64; 3]| corner.map(shown).join(", ");
+        let (min, max) = (corner(bounds.min), corner(bounds.max));
+        text += &format!("\n  bounds   {min}\n        to {max}");
+    }
+    for warning in &mesh.warnings {
+        text += &format!("\n  warning: {warning}");
+    }
+    text
 }
 
 fn frames(inputs: &Inputs, file: &ParticleFile) -> usize {

@@ -2,6 +2,7 @@
 
 use meniscus::film::CHANNELS;
 use meniscus::particles::Particles;
+use meniscus::scene::attribute::ELEMENT_COLOR;
 use meniscus::scene::{BlobSettings, Surface};
 
 /// Most components of a column that `--aov all` carries along.
@@ -19,12 +20,19 @@ pub(crate) fn carry(
             settings.attributes.push(name.to_owned());
         }
     };
-    let looks = [
-        &surface.color_by,
-        &surface.roughness_by,
-        &surface.absorption_by,
-    ];
-    for name in looks.into_iter().flatten() {
+    if let Some(color_by) = &surface.color_by {
+        // Surfaces without elements keep their material's colour.
+        let has_elements = ["atomic_number", ELEMENT_COLOR]
+            .iter()
+            .any(|name| particles.column(name).is_some());
+        if color_by != ELEMENT_COLOR || has_elements {
+            add(color_by);
+        }
+    }
+    for name in [&surface.roughness_by, &surface.absorption_by]
+        .into_iter()
+        .flatten()
+    {
         add(name);
     }
     for name in aov.iter().map(|name| name.trim()) {

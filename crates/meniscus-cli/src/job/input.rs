@@ -273,7 +273,8 @@ fn is_scene(path: &Path) -> Outcome<bool> {
         .take(HEAD_BYTES)
         .read_to_end(&mut head)
         .map_err(cannot)?;
-    if looks_like_scene(&head) {
+    // A title of GRO may look like an assignment: `t= 0.0`.
+    if looks_like_scene(&head) && Format::detect(&head) != Some(Format::Gro) {
         return Ok(true);
     }
     let ending = path.extension().and_then(|ending| ending.to_str());

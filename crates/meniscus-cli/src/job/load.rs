@@ -8,7 +8,8 @@ use crate::interrupt;
 use crate::progress::Reporter;
 use crate::report::{Excerpt, Message};
 use meniscus::field::{BlobField, FieldError, FieldReport};
-use meniscus::frame::{Frame, FrameSettings};
+use meniscus::frame::{Frame, FrameSettings, MeshSurface};
+use meniscus::mesh;
 use meniscus::particles::io::{self, ParticleFile};
 use meniscus::scene::{BlobSettings, Scene};
 use std::path::Path;
@@ -30,6 +31,15 @@ pub(crate) struct LoadedFrame {
 }
 
 impl LoadedFrame {
+    /// The same for another picture, which takes no time any more.
+    pub(crate) fn used_again(self) -> Self {
+        Self {
+            read_secs: 0.0,
+            build_secs: 0.0,
+            ..self
+        }
+    }
+
     /// Particles in the frame.
     pub(crate) fn particles(&self) -> usize {
         self.frame.blobs().map(|blobs| blobs.field.len()).sum()
@@ -93,12 +103,17 @@ pub(crate) fn build(
     reporter: &Reporter,
 ) -> Outcome<LoadedFrame> {
     let start = Instant::now();
+    let mut scene = scene.clone();
+    for (surface, file) in scene.surfaces.iter_mut().zip(files) {
+        surface.color_by = surface.color_by_of(file.format).map(str::to_owned);
+    }
+    let scene = &scene;
     let mut fields = Vec::with_capacity(files.len());
     let mut all_settings = Vec::with_capacity(files.len());
     let mut reports = Vec::with_capacity(files.len());
     for ((surface, file), path) in scene.surfaces.iter().zip(files).zip(&input.files) {
         interrupt::check()?;
-        let mut settings = surface.settings(&BlobSettings::default());
+        let mut settings = surface.settings(&BlobSettings::of_format(file.format));
         columns::carry(&mut settings, surface, aov, &file.particles);
         let built = BlobField::from_particles(&file.particles, &settings)
             .map_err(|error| field_failure(error, path))?;
@@ -113,7 +128,8 @@ pub(crate) fn build(
         switches: scene.engine,
         ..engine.frame
     };
-    let frame = Frame::build(scene, fields, &settings)
+    let meshes = meshes(scene, reporter)?;
+    let frame = Frame::build_with_meshes(scene, fields, meshes, &settings)
         .map_err(|error| Failure::wrong(error.to_string()))?;
     Ok(LoadedFrame {
         frame,
@@ -122,6 +138,21 @@ pub(crate) fn build(
         read_secs: 0.0,
         build_secs: start.elapsed().as_secs_f64(),
     })
+}
+
+/// Reads and builds the meshes of a scene. A mesh that cannot be used makes the scene wrong.
+fn meshes(scene: &Scene, reporter: &Reporter) -> Outcome<Vec<MeshSurface>> {
+    let mut surfaces = Vec::with_capacity(scene.meshes.len());
+    for mesh in &scene.meshes {
+        interrupt::check()?;
+        let file = mesh::io::read(&mesh.file).map_err(|error| Failure::wrong(error.to_string()))?;
+        let (surface, notes) = MeshSurface::build(&file.mesh);
+        for note in file.warnings.iter().chain(&notes) {
+            reporter.warn(&format!("{}: {note}", mesh.file.display()));
+        }
+        surfaces.push(surface);
+    }
+    Ok(surfaces)
 }
 
 /// Settings that do not fit are a wrong command line; a file without usable particles is not.

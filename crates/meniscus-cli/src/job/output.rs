@@ -52,16 +52,7 @@ pub(crate) fn assign(inputs: Inputs, output: &Path) -> Outcome<Vec<(FrameInput, 
             .with_help("put {} where the frame number goes, as in -o 'frame_{}.png'")),
         };
     }
-    let placeholders = output
-        .to_string_lossy()
-        .matches(sequence::PLACEHOLDER)
-        .count();
-    if placeholders != 1 {
-        return Err(Failure::wrong(format!(
-            "{}: a pattern has one {{}}, this has {placeholders}",
-            output.display()
-        )));
-    }
+    check_pattern(output)?;
     if !is_sequence && let [only] = &frames[..] {
         frames = steps_of(only)?;
     }
@@ -70,6 +61,58 @@ pub(crate) fn assign(inputs: Inputs, output: &Path) -> Outcome<Vec<(FrameInput, 
         .map(|frame| {
             let path = sequence::output_path(output, &frame.text);
             (frame, path)
+        })
+        .collect())
+}
+
+fn check_pattern(output: &Path) -> Outcome {
+    let placeholders = output
+        .to_string_lossy()
+        .matches(sequence::PLACEHOLDER)
+        .count();
+    if placeholders == 1 {
+        return Ok(());
+    }
+    Err(Failure::wrong(format!(
+        "{}: a pattern has one {{}}, this has {placeholders}",
+        output.display()
+    )))
+}
+
+/// Most pictures of a turntable.
+const MAX_TURNS: u32 = 100_000;
+
+/// The outputs of a turntable of `count` pictures, numbered from 0: all of one frame.
+pub(crate) fn assign_turns(
+    inputs: Inputs,
+    output: &Path,
+    count: u32,
+) -> Outcome<Vec<(FrameInput, PathBuf)>> {
+    if count == 0 || count > MAX_TURNS {
+        return Err(Failure::wrong(format!(
+            "--turntable {count}: between 1 and {MAX_TURNS} pictures are possible"
+        )));
+    }
+    let [frame] = <[FrameInput; 1]>::try_from(inputs.frames).map_err(|frames| {
+        Failure::wrong(format!(
+            "--turntable turns around one frame, not {}",
+            frames.len()
+        ))
+        .with_help("choose one with --frames")
+    })?;
+    if !sequence::is_pattern(output) {
+        return Err(Failure::wrong(format!(
+            "--turntable writes {count} pictures, which cannot all go to {}",
+            output.display()
+        ))
+        .with_help("put {} where the picture's number goes, as in -o 'turn_{}.png'"));
+    }
+    check_pattern(output)?;
+    let width = (count - 1).to_string().len();
+    Ok((0..count)
+        .map(|turn| {
+            let path = sequence::output_path(output, &format!("{turn:0width$}"));
+            (frame.clone(), path)
         })
         .collect())
 }

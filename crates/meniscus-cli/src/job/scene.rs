@@ -8,7 +8,7 @@ use crate::report::{Excerpt, Message};
 use meniscus::kernel::Kernel;
 use meniscus::math::DVec3;
 use meniscus::scene::file::{SceneError, SceneErrorKind};
-use meniscus::scene::{Light, LightKind, Scene, Surface, Weights};
+use meniscus::scene::{ClipError, Light, LightKind, Scene, Surface, Weights};
 
 /// Sets single keys of a scene.
 pub(crate) fn apply_settings(settings: &[Setting], scene: &mut Scene) -> Outcome {
@@ -67,9 +67,11 @@ fn kernel(name: &str) -> Outcome<Kernel> {
 
 /// Applies the camera and light options.
 pub(crate) fn apply_camera(args: &CameraArgs, scene: &mut Scene) -> Outcome {
-    if args.clip.is_some() {
-        return Err(Failure::wrong("not available yet: --clip")
-            .with_help("--filter removes particles, as in --filter 'x < 0'"));
+    for text in &args.clip {
+        let clip = text
+            .parse()
+            .map_err(|error: ClipError| Failure::wrong(format!("--clip: {error}")))?;
+        scene.clips.push(clip);
     }
     let camera = &mut scene.camera;
     if let Some(eye) = args.camera_eye {

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod bench;
+mod company;
 mod exact;
 mod generate;
 mod info;

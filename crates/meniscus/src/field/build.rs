@@ -5,10 +5,12 @@ use super::supports::{Rule, Supports, positive, retain};
 use super::weights::volume_weights;
 use super::{BlobField, FieldError, FieldReport};
 use crate::particles::Particles;
+use crate::particles::elements::van_der_waals_radius;
 use crate::particles::filter::Filter;
-use crate::particles::spacing::{median_spacing_in, point_tree};
+use crate::particles::spacing::{median_spacing_in, point_tree, typical_spacing_in};
 use crate::scene::surface::{BlobSettings, Weights};
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// Positions, supports and weights beyond this are dropped: f32 has to hold their squares. Supports and
 /// the sizes of weights must also be at least its inverse.
@@ -77,7 +79,7 @@ impl BlobField {
         let rule = Rule::choose(particles, settings)?;
         let scale = match rule {
             Rule::Support(_) | Rule::Metric(_) => 1.0,
-            Rule::Radius(_) | Rule::Column(_) | Rule::Estimate => {
+            Rule::Radius(_) | Rule::Column(_) | Rule::Elements(_) | Rule::Estimate => {
                 Rule::support_per_radius(settings)?
             }
         };
@@ -87,7 +89,11 @@ impl BlobField {
         let own = build.own_supports(&rule, scale)?;
         let positions = build.positions();
         let points = point_tree(&positions);
-        let spacing = median_spacing_in(&points, &positions);
+        let spacing = match rule {
+            Rule::Estimate => median_spacing_in(&points, &positions),
+            // No more than a scale for tolerances.
+            _ => typical_spacing_in(&points, &positions),
+        };
         let (mut supports, order) = match own {
             Some((supports, order)) => (supports, order),
             None => (
@@ -130,9 +136,13 @@ impl<'a> Build<'a> {
         })
     }
 
-    pub(super) fn positions(&self) -> Vec<DVec3> {
+    /// Where the particles that are left stand.
+    pub(super) fn positions(&self) -> Cow<'a, [DVec3]> {
         let positions = &self.particles.positions;
-        self.kept.iter().map(|&i| positions[i as usize]).collect()
+        if self.kept.len() == positions.len() {
+            return Cow::Borrowed(positions);
+        }
+        Cow::Owned(self.kept.iter().map(|&i| positions[i as usize]).collect())
     }
 
     /// Removes the particles for which `keep` is false; an error when none is left.
@@ -218,6 +228,11 @@ impl<'a> Build<'a> {
                 retain(&mut supports, &keep);
                 Ok(Some((Supports::Balls(supports), None)))
             }
+            Rule::Elements(numbers) => {
+                let radius = |&i: &u32| atom_radius(numbers.get(i as usize, 0)) * scale;
+                let supports = self.kept.iter().map(radius).collect();
+                Ok(Some((Supports::Balls(supports), None)))
+            }
             Rule::Metric(column) => {
                 let (factors, order) = metric::factors(column, &self.kept)?;
                 let keep: Vec<bool> = factors.iter().map(Option::is_some).collect();
@@ -240,7 +255,7 @@ fn common_support(
     let (name, radius) = match rule {
         Rule::Support(support) => ("support", *support),
         Rule::Radius(radius) => ("radius", *radius),
-        Rule::Estimate | Rule::Column(_) | Rule::Metric(_) => {
+        Rule::Estimate | Rule::Column(_) | Rule::Elements(_) | Rule::Metric(_) => {
             ("radius", 0.5 * spacing.ok_or(FieldError::NoRadius)?)
         }
     };
@@ -252,6 +267,16 @@ fn common_support(
         });
     }
     Ok(Supports::Balls(vec![radius * scale; count]))
+}
+
+/// Van der Waals radius of an atomic number as a column holds it, in ångström.
+fn atom_radius(number: f64) -> f64 {
+    van_der_waals_radius(atomic_number_of(number))
+}
+
+/// The atomic number that a column's value stands for; 0 for what is none.
+pub(super) fn atomic_number_of(value: f64) -> u8 {
+    if value.fract() == 0.0 { value as u8 } else { 0 }
 }
 
 /// Whether f32 holds `size` and its square's inverse well.

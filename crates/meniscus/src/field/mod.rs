@@ -4,6 +4,7 @@
 //! carry even for a cloud a million units away.
 
 mod build;
+mod colors;
 mod error;
 mod evaluate;
 mod metric;

@@ -1,6 +1,7 @@
 //! The last step of a build: f32 arrays about a local origin, and the report.
 
 use super::build::Build;
+use super::colors;
 use super::supports::Supports;
 use super::{
     BlobField, FieldAttribute, FieldBuild, FieldError, FieldReport, Search, SupportSource,
@@ -83,6 +84,14 @@ impl Build<'_> {
                     what: "attribute",
                     missing,
                 };
+                if let Some(colors) = colors::colors(self.particles, name) {
+                    let kept = self.kept.iter().flat_map(|&i| colors(i as usize));
+                    return Ok(FieldAttribute {
+                        name: name.clone(),
+                        components: 3,
+                        data: kept.collect(),
+                    });
+                }
                 let attribute = self.particles.attribute(name).map_err(missing)?;
                 let components = attribute.components();
                 let data = self
@@ -114,6 +123,11 @@ fn notes(report: &FieldReport, largest: f64) -> Vec<String> {
             "ellipsoids from column {column}, read as the metric M of q = dᵀMd, {}",
             order.describe()
         )),
+        SupportSource::Elements => notes.push(
+            "the particles have no radius: took the van der Waals radii of their elements in ångström; \
+             --radius sets another"
+                .to_owned(),
+        ),
         SupportSource::Support | SupportSource::Radius | SupportSource::Column(_) => {}
     }
     // Half a unit in the last place of the largest local coordinate.

@@ -98,6 +98,8 @@ pub(super) enum Rule<'a> {
     Column(crate::particles::Attribute<'a>),
     /// A column of metrics.
     Metric(crate::particles::Attribute<'a>),
+    /// Atomic numbers, whose van der Waals radii in ångström are taken.
+    Elements(crate::particles::Attribute<'a>),
     /// Half the spacing for all.
     Estimate,
 }
@@ -131,10 +133,18 @@ impl<'a> Rule<'a> {
             let missing = |missing| FieldError::Missing { what, missing };
             return particles.attribute(name).map(Self::Metric).map_err(missing);
         }
+        // Where weights are not volumes a radius is the surface of a lone particle, which is what a
+        // van der Waals radius means.
+        let elements = || {
+            let has_atoms = settings.weights != Weights::Volume;
+            let numbers = particles.attribute("atomic_number").ok();
+            numbers.filter(|numbers| has_atoms && numbers.components() == 1)
+        };
         Ok(particles
             .role(Role::Metric)
             .map(Self::Metric)
             .or_else(|| particles.role(Role::Radius).map(Self::Column))
+            .or_else(|| elements().map(Self::Elements))
             .unwrap_or(Self::Estimate))
     }
 
@@ -156,6 +166,7 @@ impl<'a> Rule<'a> {
         match (self, order) {
             (Self::Support(_), _) => SupportSource::Support,
             (Self::Radius(_), _) => SupportSource::Radius,
+            (Self::Elements(_), _) => SupportSource::Elements,
             (Self::Estimate, _) => SupportSource::Estimate,
             (Self::Metric(column), Some(order)) => SupportSource::Metric {
                 column: column.name().to_owned(),

@@ -7,6 +7,7 @@
 
 mod aside;
 mod channel;
+mod cues;
 mod error;
 mod exr;
 mod image;

@@ -302,6 +302,13 @@ impl Film {
         value
     }
 
+    /// Multiplies R, G and B of pixel `pixel` of the region, of all samples so far.
+    pub(super) fn scale_color(&mut self, pixel: usize, factor: f32) {
+        for plane in self.sums.iter_mut().take(3) {
+            plane[pixel] = (plane[pixel] as f64 * f64::from(factor)) as i64;
+        }
+    }
+
     /// Share of the background that shows at pixel `pixel` of the region; 1 without samples.
     pub(super) fn backdrop(&self, pixel: usize) -> f32 {
         match self.counts[pixel] {

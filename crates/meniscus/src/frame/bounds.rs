@@ -1,6 +1,6 @@
 //! Bounds of what stands in a frame: all of it, and the part that a camera should frame.
 
-use super::{Blobs, Frame, Geometry};
+use super::{Blobs, Frame, Geometry, Sphere};
 use crate::field::BlobField;
 use crate::math::aabb::{Aabb, DAabb};
 use glam::{DAffine3, DVec3, Vec3};
@@ -13,18 +13,20 @@ const STRAY_REACH: f32 = 0.5;
 
 impl Geometry {
     /// Object-space box around the surface at any time in `shutter` (seconds relative to the frame);
-    /// `None` where it is infinite. Blobs stand still within a frame: every shutter has the same box.
+    /// `None` where it is infinite. All stand still within a frame: every shutter has the same box.
     pub fn bounds(&self, _shutter: [f64; 2]) -> Option<DAabb> {
         match self {
             Self::Blobs(blobs) => Some(in_object_space(&blobs.field, blobs.field.bounds())),
+            Self::Mesh(mesh) => Some(mesh.bounds()),
+            Self::Sphere(sphere) => Some(sphere_box(sphere)),
             Self::Plane(_) => None,
         }
     }
 }
 
 impl Frame {
-    /// World-space box around the supports of all blobs at any time in `shutter`; planes do not
-    /// count. Empty when there is nothing else.
+    /// World-space box around the supports of all blobs, meshes and spheres at any time in
+    /// `shutter`; planes do not count. Empty when there is nothing else.
     pub fn bounds(&self, shutter: [f64; 2]) -> DAabb {
         self.instances
             .iter()
@@ -49,12 +51,22 @@ impl Frame {
             .iter()
             .fold(DAabb::EMPTY, |bounds, instance| {
                 let index = instance.geometry as usize;
-                let Geometry::Blobs(blobs) = &self.geometries[index] else {
-                    return bounds;
+                let tight = || match &self.geometries[index] {
+                    Geometry::Blobs(blobs) => without_strays(blobs),
+                    Geometry::Mesh(mesh) => mesh.bounds(),
+                    Geometry::Sphere(sphere) => sphere_box(sphere),
+                    Geometry::Plane(_) => DAabb::EMPTY,
                 };
-                let local = *boxes[index].get_or_insert_with(|| without_strays(blobs));
+                let local = *boxes[index].get_or_insert_with(tight);
                 bounds.union(transformed(local, &instance.world_from_object))
             })
+    }
+}
+
+fn sphere_box(sphere: &Sphere) -> DAabb {
+    DAabb {
+        min: sphere.center - sphere.radius,
+        max: sphere.center + sphere.radius,
     }
 }
 

@@ -1,11 +1,12 @@
 //! From a scene and its fields to a frame.
 
 use super::looks::{Absorption, BaseColor, Coloring, GroundLook, Light, Material, Scaling};
-use super::{Blobs, Environment, EnvironmentError, Frame, Geometry, Instance, Plane};
+use super::{Blobs, Environment, EnvironmentError, Frame, Geometry, Instance};
+use super::{MeshSurface, Plane, Sphere};
 use crate::accel::Engine;
 use crate::field::{BlobField, FieldAttribute};
 use crate::math::simd::Level;
-use crate::scene::attribute::{AttributeRef, Component};
+use crate::scene::attribute::{AttributeRef, Component, ELEMENT_COLOR, OWN_COLOR};
 use crate::scene::camera::horizontal_axes;
 use crate::scene::{self, EngineSettings, LightKind, Scene, Surface};
 use glam::{DAffine3, DVec3};
@@ -43,6 +44,14 @@ pub enum FrameError {
         /// Fields given.
         fields: usize,
     },
+    /// One mesh per `[[mesh]]` is needed.
+    #[error("the scene has {wanted} meshes, but {given} were given")]
+    MeshCount {
+        /// Meshes of the scene.
+        wanted: usize,
+        /// Meshes given.
+        given: usize,
+    },
     /// A surface looks as an attribute says that its field does not carry.
     #[error("there is no attribute `{name}` to colour by; there are: {known}")]
     UnknownAttribute {
@@ -75,18 +84,38 @@ pub enum FrameError {
 }
 
 impl Frame {
-    /// The frame of `scene` with one field per surface, in the scene's order.
-    ///
-    /// Instances come in this order: for each surface its `[[instance]]`s (or itself once), then the
-    /// planes, then the ground.
+    /// The frame of a scene without meshes: [`Frame::build_with_meshes`].
     ///
     /// # Errors
-    /// When a surface's colour, material or instance refers to something that is not there.
+    /// As there.
     pub fn build(
         scene: &Scene,
         fields: Vec<BlobField>,
         settings: &FrameSettings,
     ) -> Result<Self, FrameError> {
+        Self::build_with_meshes(scene, fields, Vec::new(), settings)
+    }
+
+    /// The frame of `scene` with one field per surface and one mesh per `[[mesh]]`, in the scene's
+    /// order.
+    ///
+    /// Instances come in this order: for each surface its `[[instance]]`s (or itself once), then the
+    /// meshes, the spheres, the planes, the ground.
+    ///
+    /// # Errors
+    /// When a surface's colour, material or instance refers to something that is not there.
+    pub fn build_with_meshes(
+        scene: &Scene,
+        fields: Vec<BlobField>,
+        meshes: Vec<MeshSurface>,
+        settings: &FrameSettings,
+    ) -> Result<Self, FrameError> {
+        if meshes.len() != scene.meshes.len() {
+            return Err(FrameError::MeshCount {
+                wanted: scene.meshes.len(),
+                given: meshes.len(),
+            });
+        }
         if fields.len() != scene.surfaces.len() {
             return Err(FrameError::FieldCount {
                 surfaces: scene.surfaces.len(),
@@ -98,12 +127,26 @@ impl Frame {
             lights: resolved_lights(scene, up)?,
             up,
             background: scene.film.background,
+            clips: scene.clips.iter().map(clip_plane).collect(),
             ..Self::default()
         };
         for (surface, field) in scene.surfaces.iter().zip(fields) {
             frame.add_surface(scene, surface, field, settings)?;
         }
         check_instances(scene)?;
+        let material = |name| plain_material(scene, name, scene::Material::default);
+        for (placed, mesh) in scene.meshes.iter().zip(meshes) {
+            let material = material(placed.material.as_deref())?;
+            frame.add_solid(Geometry::Mesh(Box::new(mesh)), placed.matrix.0, material);
+        }
+        for sphere in &scene.spheres {
+            let material = material(sphere.material.as_deref())?;
+            let geometry = Geometry::Sphere(Sphere {
+                center: sphere.center,
+                radius: sphere.radius,
+            });
+            frame.add_solid(geometry, DAffine3::IDENTITY, material);
+        }
         for plane in &scene.planes {
             let material = plain_material(scene, plane.material.as_deref(), ground_material)?;
             let normal = plane.normal.unwrap_or(up).normalize_or(up);
@@ -124,11 +167,10 @@ impl Frame {
         field: BlobField,
         settings: &FrameSettings,
     ) -> Result<(), FrameError> {
-        let coloring = surface
-            .color_by
-            .as_deref()
-            .map(|color_by| coloring(color_by, surface, &field))
-            .transpose()?;
+        let base = match surface.color_by.as_deref() {
+            None => None,
+            Some(color_by) => base_color(color_by, surface, &field)?,
+        };
         let scaling = |by: &Option<String>, range: Option<[f64; 2]>| {
             by.as_deref()
                 .map(|by| scaling(by, range.unwrap_or([0.0, 1.0]), &field))
@@ -138,8 +180,8 @@ impl Frame {
         let density = scaling(&surface.absorption_by, surface.absorption_range)?;
         let material_of = |name: Option<&str>| -> Result<Material, FrameError> {
             let mut material = plain_material(scene, name, scene::Material::default)?;
-            if let Some(coloring) = &coloring {
-                material.base = BaseColor::Attribute(Box::new(coloring.clone()));
+            if let Some(base) = &base {
+                material.base = base.clone();
                 material.absorption.left = material.base.clone();
             }
             material.roughness_by.clone_from(&roughness_by);
@@ -191,13 +233,17 @@ impl Frame {
     }
 
     fn add_plane(&mut self, point: DVec3, normal: DVec3, material: Material) {
-        let geometry = self.geometries.len() as u32;
-        let index = self.materials.len() as u32;
-        self.geometries
-            .push(Geometry::Plane(Plane { point, normal }));
+        let plane = Geometry::Plane(Plane { point, normal });
+        self.add_solid(plane, DAffine3::IDENTITY, material);
+    }
+
+    fn add_solid(&mut self, geometry: Geometry, matrix: DAffine3, material: Material) {
+        let index = self.geometries.len() as u32;
+        let own_material = self.materials.len() as u32;
+        self.geometries.push(geometry);
         self.materials.push(material);
         self.instances
-            .push(Instance::new(geometry, DAffine3::IDENTITY, index));
+            .push(Instance::new(index, matrix, own_material));
     }
 
     /// A plane under the middle of [`Frame::framing_bounds`].
@@ -218,6 +264,13 @@ impl Frame {
             radius: if radius > 0.0 { radius } else { 1.0 },
         });
         self.add_plane(foot, self.up, material);
+    }
+}
+
+fn clip_plane(clip: &scene::Clip) -> Plane {
+    Plane {
+        point: clip.point,
+        normal: clip.normal.normalize_or(DVec3::Y),
     }
 }
 
@@ -328,6 +381,26 @@ fn resolved_lights(scene: &Scene, up: DVec3) -> Result<Vec<Light>, FrameError> {
             })
         })
         .collect()
+}
+
+/// The base colour that `color_by` stands for; `None` where the material's stays.
+fn base_color(
+    color_by: &str,
+    surface: &Surface,
+    field: &BlobField,
+) -> Result<Option<BaseColor>, FrameError> {
+    let found = field.attributes.iter().position(|a| a.name == color_by);
+    if [ELEMENT_COLOR, OWN_COLOR].contains(&color_by) {
+        match found {
+            Some(index) if field.attributes[index].components == 3 => {
+                return Ok(Some(BaseColor::Direct(index)));
+            }
+            None if color_by == ELEMENT_COLOR => return Ok(None),
+            _ => {}
+        }
+    }
+    let coloring = coloring(color_by, surface, field)?;
+    Ok(Some(BaseColor::Attribute(Box::new(coloring))))
 }
 
 /// The attribute and the number of it that `reference` names.

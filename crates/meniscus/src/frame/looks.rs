@@ -98,8 +98,10 @@ impl Coloring {
 pub enum BaseColor {
     /// The same everywhere, linear Rec. 709.
     Constant([f32; 3]),
-    /// From an attribute.
+    /// From an attribute through a colour map.
     Attribute(Box<Coloring>),
+    /// An attribute that is a linear colour itself: its index in the field's `attributes`.
+    Direct(usize),
 }
 
 /// A number from an attribute, stretched linearly.

@@ -7,10 +7,12 @@ mod bounds;
 mod build;
 pub mod environment;
 pub mod looks;
+mod solids;
 
 pub use build::{FrameError, FrameSettings};
 pub use environment::{Environment, EnvironmentError};
 pub use looks::{Absorption, BaseColor, Coloring, GroundLook, Light, Material, Scaling};
+pub use solids::{MeshSurface, Plane, Sphere};
 
 use crate::accel::supports::SupportTree;
 use crate::accel::{Accel, Engine};
@@ -91,22 +93,27 @@ impl Blobs {
     }
 }
 
-/// An infinite plane; its inside is the half space below it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plane {
-    /// A point on the plane, object space.
-    pub point: DVec3,
-    /// Unit normal, pointing outside.
-    pub normal: DVec3,
-}
-
 /// What a surface is made of.
 #[derive(Debug)]
 pub enum Geometry {
     /// The isosurface of a blob field.
     Blobs(Box<Blobs>),
+    /// A triangle mesh.
+    Mesh(Box<MeshSurface>),
+    /// A ball.
+    Sphere(Sphere),
     /// A plane.
     Plane(Plane),
+}
+
+impl Geometry {
+    /// The blob field, where it is one.
+    pub fn blobs(&self) -> Option<&Blobs> {
+        match self {
+            Self::Blobs(blobs) => Some(blobs),
+            Self::Mesh(_) | Self::Sphere(_) | Self::Plane(_) => None,
+        }
+    }
 }
 
 /// A surface placed in the world.
@@ -143,6 +150,9 @@ pub struct Frame {
     pub instances: Vec<Instance>,
     /// Materials that instances refer to.
     pub materials: Vec<Material>,
+    /// Planes in world space that cut everything with an inside open: only what lies below all of
+    /// them stays, closed by caps. Planes and open meshes are not solids; planes stay whole.
+    pub clips: Vec<Plane>,
     /// Lights.
     pub lights: Vec<Light>,
     /// Unit up direction of the world: of the sky and the ground.
@@ -159,6 +169,7 @@ impl Default for Frame {
             geometries: Vec::new(),
             instances: Vec::new(),
             materials: Vec::new(),
+            clips: Vec::new(),
             lights: Vec::new(),
             up: DVec3::Y,
             ground: None,
@@ -170,17 +181,17 @@ impl Default for Frame {
 impl Frame {
     /// The blob fields.
     pub fn blobs(&self) -> impl Iterator<Item = &Blobs> {
-        self.geometries
-            .iter()
-            .filter_map(|geometry| match geometry {
-                Geometry::Blobs(blobs) => Some(&**blobs),
-                Geometry::Plane(_) => None,
-            })
+        self.geometries.iter().filter_map(Geometry::blobs)
     }
 
-    /// [`Blobs::structure_bytes`] of all.
+    /// Memory that the structures of all surfaces take.
     pub fn structure_bytes(&self) -> usize {
-        self.blobs().map(Blobs::structure_bytes).sum()
+        let bytes = |geometry: &Geometry| match geometry {
+            Geometry::Blobs(blobs) => blobs.structure_bytes(),
+            Geometry::Mesh(mesh) => mesh.bytes(),
+            Geometry::Sphere(_) | Geometry::Plane(_) => 0,
+        };
+        self.geometries.iter().map(bytes).sum()
     }
 
     /// [`Blobs::refinement_secs`] of all.

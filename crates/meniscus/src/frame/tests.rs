@@ -121,7 +121,7 @@ fn colour_by_attribute_takes_magnitude_component_and_fixed_range() {
         build(&scene, vec![field(vec![[0.0; 3], [1.0; 3], [2.0; 3]])]).map(|frame| {
             match &frame.materials[0].base {
                 BaseColor::Attribute(coloring) => (**coloring).clone(),
-                BaseColor::Constant(_) => panic!("not coloured"),
+                other => panic!("not by a map: {other:?}"),
             }
         })
     };

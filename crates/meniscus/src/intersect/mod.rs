@@ -4,11 +4,17 @@ pub mod cells;
 pub mod interval;
 pub mod metaballs;
 pub mod particles;
+mod clip;
+mod mesh;
+mod solids;
 mod solve;
 pub mod sweep;
+mod world;
+
+pub use solids::SolidHit;
 
 use crate::accel::Accel;
-use crate::frame::{Blobs, Frame, Geometry};
+use crate::frame::Blobs;
 use crate::math::ray::{Ray, Side};
 use glam::DVec3;
 
@@ -57,7 +63,9 @@ pub struct Scratch {
     pub metaballs: metaballs::MetaballScratch,
     /// Of engine `sweep`.
     pub sweep: sweep::SweepScratch,
-    object_rays: ObjectRays,
+    /// Nodes of a mesh's hierarchy that are still to be visited.
+    nodes: Vec<u32>,
+    object_rays: world::ObjectRays,
 }
 
 impl Scratch {
@@ -87,9 +95,12 @@ pub struct Hit {
     pub t: f64,
     /// World position.
     pub position: DVec3,
-    /// Unit outward normal in world space, −∇F/|∇F|; never flipped towards the eye.
+    /// Unit outward normal in world space, −∇F/|∇F|, on a mesh that of the face; never flipped towards
+    /// the eye.
     pub normal: DVec3,
-    /// Index into [`Frame::instances`].
+    /// Unit normal for shading, on the same side: [`Hit::normal`] but for smooth meshes.
+    pub shading_normal: DVec3,
+    /// Index into [`Frame::instances`](crate::frame::Frame::instances).
     pub surface: u32,
     /// The strongest particle: index of the blob within its field (`None` on other geometry).
     pub blob: Option<u32>,
@@ -225,195 +236,5 @@ impl Blobs {
                 break;
             }
         }
-    }
-}
-
-/// Rays that [`Frame::closest_hits`] and [`Frame::any_hits`] trace together.
-const TOGETHER: usize = 16;
-
-/// Buffers for rays in an object's space.
-#[derive(Debug, Default)]
-struct ObjectRays {
-    rays: Vec<Ray>,
-    closest: Vec<Option<BlobHit>>,
-    occluded: Vec<bool>,
-}
-
-impl Frame {
-    /// The first surface that a world-space ray meets.
-    pub fn closest_hit(&self, ray: &Ray, scratch: &mut Scratch) -> Option<Hit> {
-        let mut hit = [None];
-        self.closest_hits(std::slice::from_ref(ray), &mut hit, scratch);
-        hit[0]
-    }
-
-    /// The first surfaces that world-space rays meet, one per entry of `hits`. Rays that lie close
-    /// together and follow each other, such as those of a few neighbouring pixels, are traced
-    /// together.
-    ///
-    /// # Panics
-    /// If `hits` is not as long as `rays`.
-    pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch) {
-        assert_eq!(rays.len(), hits.len(), "one answer per ray");
-        hits.fill(None);
-        let mut buffers = std::mem::take(&mut scratch.object_rays);
-        for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
-            for (surface, instance) in self.instances.iter().enumerate() {
-                let object_from_world = &instance.object_from_world;
-                let as_they_are = is_identity(object_from_world)
-                    && hits.iter().all(Option::is_none)
-                    && states_side_of(rays, surface as u32);
-                let object_rays = if as_they_are {
-                    rays
-                } else {
-                    buffers.rays.clear();
-                    let moved = rays.iter().zip(&*hits).map(|(ray, hit)| {
-                        let nearest = hit.map_or(ray.t_max, |hit| hit.t);
-                        transformed(ray, object_from_world)
-                            .with_range(ray.t_min, nearest)
-                            .with_side(ray.side_towards(surface as u32))
-                    });
-                    buffers.rays.extend(moved);
-                    &buffers.rays
-                };
-                let normal_matrix = instance.object_from_world.matrix3.transpose();
-                let hit_at = |ray: &Ray, t: f64, outward: DVec3, blob, entering| Hit {
-                    t,
-                    position: ray.at(t),
-                    normal: (normal_matrix * outward).normalize_or_zero(),
-                    surface: surface as u32,
-                    blob,
-                    entering,
-                };
-                match &self.geometries[instance.geometry as usize] {
-                    Geometry::Blobs(blobs) => {
-                        let found = &mut buffers.closest;
-                        found.clear();
-                        found.resize(rays.len(), None);
-                        blobs.closest_many(object_rays, found, scratch);
-                        for ((ray, hit), found) in rays.iter().zip(&mut *hits).zip(found) {
-                            if let Some(f) = found {
-                                *hit = Some(hit_at(
-                                    ray,
-                                    f.t,
-                                    f.outward,
-                                    Some(f.strongest),
-                                    f.entering,
-                                ));
-                            }
-                        }
-                    }
-                    Geometry::Plane(plane) => {
-                        for ((ray, hit), moved) in rays.iter().zip(&mut *hits).zip(object_rays) {
-                            if let Some((t, entering)) = plane.closest(moved) {
-                                *hit = Some(hit_at(ray, t, plane.normal, None, entering));
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        scratch.object_rays = buffers;
-    }
-
-    /// Whether a world-space ray meets any surface.
-    pub fn any_hit(&self, ray: &Ray, scratch: &mut Scratch) -> bool {
-        let mut hit = [false];
-        self.any_hits(std::slice::from_ref(ray), &mut hit, scratch);
-        hit[0]
-    }
-
-    /// Whether world-space rays meet any surface, one per entry of `hits`, as
-    /// [`Frame::closest_hits`].
-    ///
-    /// # Panics
-    /// If `hits` is not as long as `rays`.
-    pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch) {
-        assert_eq!(rays.len(), hits.len(), "one answer per ray");
-        hits.fill(false);
-        let mut buffers = std::mem::take(&mut scratch.object_rays);
-        for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
-            for (surface, instance) in self.instances.iter().enumerate() {
-                let surface = surface as u32;
-                let object_from_world = &instance.object_from_world;
-                let object_rays = if is_identity(object_from_world) && states_side_of(rays, surface)
-                {
-                    rays
-                } else {
-                    buffers.rays.clear();
-                    let moved = rays.iter().map(|ray| {
-                        transformed(ray, object_from_world).with_side(ray.side_towards(surface))
-                    });
-                    buffers.rays.extend(moved);
-                    &buffers.rays
-                };
-                match &self.geometries[instance.geometry as usize] {
-                    Geometry::Blobs(blobs) => {
-                        let found = &mut buffers.occluded;
-                        found.clear();
-                        found.resize(rays.len(), false);
-                        blobs.occluded_many(object_rays, found, scratch);
-                        for (hit, found) in hits.iter_mut().zip(found) {
-                            *hit |= *found;
-                        }
-                    }
-                    Geometry::Plane(plane) => {
-                        for (hit, ray) in hits.iter_mut().zip(object_rays) {
-                            *hit |= plane.closest(ray).is_some();
-                        }
-                    }
-                }
-            }
-        }
-        scratch.object_rays = buffers;
-    }
-}
-
-impl Frame {
-    /// On which side of surface `surface` a world point lies.
-    pub fn side(&self, surface: u32, point: DVec3) -> Side {
-        let instance = &self.instances[surface as usize];
-        let object = instance.object_from_world.transform_point3(point);
-        match &self.geometries[instance.geometry as usize] {
-            Geometry::Blobs(blobs) => blobs.field.side(object - blobs.field.origin),
-            Geometry::Plane(plane) if (object - plane.point).dot(plane.normal) > 0.0 => {
-                Side::Outside
-            }
-            Geometry::Plane(_) => Side::Inside,
-        }
-    }
-}
-
-impl crate::frame::Plane {
-    /// First crossing of an object-space ray: its parameter and whether it enters. A ray with a
-    /// stated side can only cross to the other one, so it does not hit the plane that it leaves.
-    pub fn closest(&self, ray: &Ray) -> Option<(f64, bool)> {
-        let rate = ray.direction.dot(self.normal);
-        let t = (self.point - ray.origin).dot(self.normal) / rate;
-        let entering = rate < 0.0;
-        let can_cross = match ray.side {
-            Side::Unknown => true,
-            Side::Outside => entering,
-            Side::Inside => !entering,
-        };
-        (can_cross && ray.is_traceable() && t.is_finite() && t >= ray.t_min && t <= ray.t_max)
-            .then_some((t, entering))
-    }
-}
-
-/// Whether what the rays state about sides holds for `surface` as it stands.
-fn states_side_of(rays: &[Ray], surface: u32) -> bool {
-    rays.iter().all(|ray| ray.side_towards(surface) == ray.side)
-}
-
-fn is_identity(object_from_world: &glam::DAffine3) -> bool {
-    *object_from_world == glam::DAffine3::IDENTITY
-}
-
-fn transformed(ray: &Ray, object_from_world: &glam::DAffine3) -> Ray {
-    Ray {
-        origin: object_from_world.transform_point3(ray.origin),
-        direction: object_from_world.transform_vector3(ray.direction),
-        ..*ray
     }
 }

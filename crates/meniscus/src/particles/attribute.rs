@@ -58,7 +58,7 @@ impl<'a> Attribute<'a> {
     }
 
     /// The column that the first component comes from, unless it is the position.
-    pub(super) fn first_column(&self) -> Option<&'a Column> {
+    pub fn first_column(&self) -> Option<&'a Column> {
         match self.sources.first()? {
             Source::Axis(..) => None,
             Source::Column(column, _) => Some(column),

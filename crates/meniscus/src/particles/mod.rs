@@ -2,6 +2,7 @@
 
 pub mod attribute;
 pub mod column;
+pub mod elements;
 pub mod filter;
 pub mod io;
 pub mod neighbours;

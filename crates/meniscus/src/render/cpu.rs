@@ -255,7 +255,7 @@ impl<'a> Job<'a> {
         Some(SurfaceSample {
             depth: self.camera.depth(hit.position) as f32,
             position: hit.position.as_vec3().to_array(),
-            normal: hit.normal.as_vec3().to_array(),
+            normal: hit.shading_normal.as_vec3().to_array(),
             id: seen.row.unwrap_or(NO_INDEX),
             surface: hit.surface,
         })
@@ -277,7 +277,7 @@ impl Tile {
     }
 }
 
-/// Outside where the eye lies beyond the supports of all blobs and above all planes, so that no
+/// Outside where the eye lies beyond the supports of all blobs, meshes and spheres and above all planes, so that no
 /// primary ray has to ask; unknown otherwise.
 fn eye_side(frame: &Frame, camera: &Camera) -> Side {
     let bounds = frame.bounds([0.0, 0.0]);
@@ -285,7 +285,7 @@ fn eye_side(frame: &Frame, camera: &Camera) -> Side {
     let in_bounds = bounds.min.cmple(eye).all() && eye.cmple(bounds.max).all();
     let above_planes = frame.instances.iter().all(|instance| {
         match &frame.geometries[instance.geometry as usize] {
-            Geometry::Blobs(_) => true,
+            Geometry::Blobs(_) | Geometry::Mesh(_) | Geometry::Sphere(_) => true,
             Geometry::Plane(plane) => {
                 let eye = instance.object_from_world.transform_point3(eye);
                 (eye - plane.point).dot(plane.normal) > 0.0

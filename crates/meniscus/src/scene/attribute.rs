@@ -1,6 +1,13 @@
 //! Which number of which column colours a surface: `speed`, `velocity` (a vector's magnitude),
 //! `velocity.x` or `velocity[0]` (one component).
 
+/// What a surface is coloured by to show the colours of its particles' elements (Corey, Pauling and
+/// Koltun's): where there are elements; other surfaces keep their material's colour.
+pub const ELEMENT_COLOR: &str = "element";
+
+/// What a surface is coloured by to show the colours that its particles bring along.
+pub const OWN_COLOR: &str = "color";
+
 /// Which number of a column's value counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {

@@ -9,6 +9,7 @@ pub mod attribute;
 pub mod camera;
 pub mod color;
 pub mod colormap;
+pub mod cues;
 pub mod engine;
 pub mod file;
 pub mod film;
@@ -24,13 +25,14 @@ mod validate;
 pub use camera::{CameraSettings, Up};
 pub use color::Color;
 pub use colormap::ColorMap;
-pub use engine::{Clipping, EngineSettings, LeafCost};
+pub use cues::CueSettings;
+pub use engine::{Builder, Clipping, EngineSettings, LeafCost};
 pub use file::{SceneError, SceneErrorKind};
 pub use film::{Background, FilmSettings, WhiteBalance};
 pub use integrator::{IntegratorKind, IntegratorSettings};
 pub use lights::{Light, LightKind};
 pub use materials::{Material, MaterialKind};
-pub use placement::{Ground, Instance, Matrix, Mesh, Plane};
+pub use placement::{Clip, ClipError, Ground, Instance, Matrix, Mesh, Plane, Sphere};
 pub use preset::Preset;
 pub use surface::{BlobSettings, Surface, SurfaceKind, Weights};
 
@@ -49,6 +51,9 @@ pub struct Scene {
     pub camera: CameraSettings,
     /// `[film]`: size, samples and development of the picture.
     pub film: FilmSettings,
+    /// `[cues]`: silhouettes and depth shading.
+    #[serde(skip_serializing_if = "CueSettings::is_default")]
+    pub cues: CueSettings,
     /// `[integrator]`: how light is gathered.
     pub integrator: IntegratorSettings,
     /// `[engine]`: switches of the papers' engines.
@@ -61,12 +66,18 @@ pub struct Scene {
     /// its file puts it.
     #[serde(rename = "instance", skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<Instance>,
-    /// `[[mesh]]`: polygon meshes.
+    /// `[[mesh]]`: triangle meshes.
     #[serde(rename = "mesh", skip_serializing_if = "Vec::is_empty")]
     pub meshes: Vec<Mesh>,
+    /// `[[sphere]]`: balls.
+    #[serde(rename = "sphere", skip_serializing_if = "Vec::is_empty")]
+    pub spheres: Vec<Sphere>,
     /// `[[plane]]`: infinite planes.
     #[serde(rename = "plane", skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,
+    /// `[[clip]]`: cuts through everything that has an inside.
+    #[serde(rename = "clip", skip_serializing_if = "Vec::is_empty")]
+    pub clips: Vec<Clip>,
     /// `[ground]`: a plane right under the objects; present or not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground: Option<Ground>,

@@ -57,15 +57,98 @@ pub struct Ground {
     pub material: Option<String>,
 }
 
-/// `[[mesh]]`: a polygon mesh.
+/// `[[mesh]]`: a triangle mesh; a solid if it is closed, else a sheet.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Mesh {
-    /// Mesh file.
+    /// Mesh file (PLY, OBJ or glTF); relative to the scene file.
     pub file: PathBuf,
+    /// World from the file's coordinates.
+    #[serde(skip_serializing_if = "Matrix::is_identity")]
+    pub matrix: Matrix,
     /// Name of its material.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+}
+
+/// `[[sphere]]`: a ball.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sphere {
+    /// Centre, world space.
+    pub center: DVec3,
+    /// Radius, positive.
+    pub radius: f64,
+    /// Name of its material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+}
+
+impl Default for Sphere {
+    fn default() -> Self {
+        Self {
+            center: DVec3::ZERO,
+            radius: 1.0,
+            material: None,
+        }
+    }
+}
+
+/// `[[clip]]`: cuts particle surfaces, closed meshes and spheres open along a plane: what lies on the
+/// side that the normal points to goes, what stays is closed by a cap.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clip {
+    /// A point on the plane, world space.
+    #[serde(default)]
+    pub point: DVec3,
+    /// Points to what is cut away, any length but 0.
+    pub normal: DVec3,
+}
+
+/// A cut that is none of `x<1`, `z>-0.5`, `nx,ny,nz,d`.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is no cut; write what stays, as in x<0.5 or z>-1, or nx,ny,nz,d for nx·x + ny·y + nz·z < d"
+)]
+pub struct ClipError(pub String);
+
+impl std::str::FromStr for Clip {
+    type Err = ClipError;
+
+    /// Reads what stays: `x<0.5`, `z>-1`, or four numbers `nx,ny,nz,d` for n·p < d.
+    fn from_str(text: &str) -> Result<Self, ClipError> {
+        let wrong = || ClipError(text.to_owned());
+        let number = |word: &str| {
+            let value: f64 = word.trim().parse().map_err(|_| wrong())?;
+            value.is_finite().then_some(value).ok_or_else(wrong)
+        };
+        let compact: String = text.split_whitespace().collect();
+        if let Some(at) = compact.find(['<', '>']) {
+            let axis = match &compact[..at] {
+                "x" => DVec3::X,
+                "y" => DVec3::Y,
+                "z" => DVec3::Z,
+                _ => return Err(wrong()),
+            };
+            let limit = number(compact[at + 1..].trim_start_matches('='))?;
+            let below = compact[at..].starts_with('<');
+            return Ok(Self {
+                point: axis * limit,
+                normal: if below { axis } else { -axis },
+            });
+        }
+        let numbers: Vec<f64> = compact.split(',').map(number).collect::<Result<_, _>>()?;
+        let [x, y, z, d] = numbers[..] else {
+            return Err(wrong());
+        };
+        let normal = DVec3::new(x, y, z);
+        let point = normal * (d / normal.length_squared());
+        point
+            .is_finite()
+            .then_some(Self { point, normal })
+            .ok_or_else(wrong)
+    }
 }
 
 /// An affine map. In files row by row, for column vectors (the translation stands in the last
@@ -75,6 +158,10 @@ pub struct Mesh {
 pub struct Matrix(pub DAffine3);
 
 impl Matrix {
+    pub(super) fn is_identity(&self) -> bool {
+        self.0 == DAffine3::IDENTITY
+    }
+
     fn from_rows(numbers: &[f64]) -> Result<Self, String> {
         if !matches!(numbers.len(), 12 | 16) {
             return Err(format!(
@@ -179,5 +266,34 @@ impl<'de> Visitor<'de> for RowOrNumberVisitor {
     fn visit_seq<A: SeqAccess<'de>>(self, items: A) -> Result<RowOrNumber, A::Error> {
         Deserialize::deserialize(serde::de::value::SeqAccessDeserializer::new(items))
             .map(RowOrNumber::Row)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cuts_say_what_stays() {
+        let clip = |text: &str| text.parse::<Clip>().map(|clip| (clip.point, clip.normal));
+        assert_eq!(clip("x<0.5"), Ok((DVec3::X * 0.5, DVec3::X)));
+        assert_eq!(clip(" z > -1 "), Ok((-DVec3::Z, -DVec3::Z)));
+        assert_eq!(clip("y<=2"), Ok((DVec3::Y * 2.0, DVec3::Y)));
+        let (point, normal) = clip("0,3,4,10").unwrap();
+        assert_eq!(normal, DVec3::new(0.0, 3.0, 4.0));
+        assert!((point.dot(normal) - 10.0).abs() < 1e-12);
+        for wrong in [
+            "",
+            "x",
+            "w<1",
+            "x<",
+            "x<a",
+            "x<nan",
+            "1,2,3",
+            "0,0,0,1",
+            "1,2,3,4,5",
+        ] {
+            assert!(clip(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Presets: a look and settings under one name, as `--preset` takes them. To add one, add a line to
 //! [`Preset::ALL`].
 
+use super::attribute::ELEMENT_COLOR;
 use super::surface::BlobSettings;
 use super::{Color, IntegratorKind, IntegratorSettings, Material, MaterialKind, Scene, Weights};
 use crate::kernel::Kernel;
@@ -75,7 +76,7 @@ impl Preset {
         },
         Self {
             name: "molecule",
-            about: "unit weights, quartic kernel, T = 0.2, a satin surface",
+            about: "unit weights, quartic kernel, T = 0.2, a satin surface in the colours of the elements",
             material: Material::glossy(Color([0.60, 0.66, 0.72]), 0.7, 0.4),
             field: Some((Kernel::Quartic, 0.2, Weights::Unit)),
             ..Self::PLAIN
@@ -117,6 +118,9 @@ impl Preset {
     pub fn apply(&self, scene: &mut Scene) {
         let mut is_used = false;
         for surface in &mut scene.surfaces {
+            if self.name == "molecule" {
+                surface.color_by.get_or_insert(ELEMENT_COLOR.to_owned());
+            }
             if surface.material.is_none() {
                 surface.material = Some(self.name.to_owned());
                 is_used = true;

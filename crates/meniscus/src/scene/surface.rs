@@ -1,7 +1,9 @@
 //! What turns particles into a surface: support, kernel, threshold, weights.
 
+use super::attribute::ELEMENT_COLOR;
 use super::colormap::ColorMap;
 use crate::kernel::Kernel;
+use crate::particles::io::Format;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -94,6 +96,15 @@ impl Default for BlobSettings {
 }
 
 impl BlobSettings {
+    /// What a file of this format starts from.
+    pub fn of_format(format: Format) -> Self {
+        if format.is_molecule() {
+            Self::molecule()
+        } else {
+            Self::default()
+        }
+    }
+
     /// What molecules start from: unit weights, quartic kernel, T = 0.2.
     pub fn molecule() -> Self {
         Self {
@@ -174,7 +185,9 @@ pub struct Surface {
     /// See [`BlobSettings::attributes`].
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub attributes: Vec<String>,
-    /// Column that colours the surface: `speed`, `velocity` (its magnitude), `velocity.x`.
+    /// Column that colours the surface: `speed`, `velocity` (its magnitude), `velocity.x`; or `color`
+    /// for the particles' own colours and `element` for those of the elements. Unset, a molecule
+    /// format without a material shows elements.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_by: Option<String>,
     /// Colour map; unset, viridis.
@@ -209,6 +222,13 @@ impl Surface {
             file: file.into(),
             ..Self::default()
         }
+    }
+
+    /// What colours the surface of a file of this format, see [`Surface::color_by`].
+    pub fn color_by_of(&self, format: Format) -> Option<&str> {
+        let shows_elements = format.is_molecule() && self.material.is_none();
+        let default = shows_elements.then_some(ELEMENT_COLOR);
+        self.color_by.as_deref().or(default)
     }
 
     /// The settings of the field: what is unset comes from `base`. Columns that the colour or the

@@ -1,5 +1,7 @@
 //! Whether a scene makes sense, beyond what its types say.
 
+mod company;
+
 use super::camera::{Camera, CameraError, CameraSettings};
 use super::file::suggest::help_for;
 use super::file::{SceneError, SceneErrorKind};
@@ -9,6 +11,7 @@ use super::film::{
 use super::integrator::MAX_AO_SAMPLES;
 use super::{Color, Instance, Scene};
 use super::{Surface, Weights, WhiteBalance};
+use company::check_matrix;
 use glam::DVec3;
 
 mod looks;
@@ -45,6 +48,7 @@ impl Scene {
     pub fn validate(&self) -> Result<(), SceneError> {
         check_camera(&self.camera)?;
         check_film(&self.film)?;
+        company::check_cues(&self.cues)?;
         self.check_integrator()?;
         for (i, surface) in self.surfaces.iter().enumerate() {
             check_surface(&format!("surface.{i}"), surface)?;
@@ -65,16 +69,7 @@ impl Scene {
         for (i, instance) in self.instances.iter().enumerate() {
             self.check_instance(&format!("instance.{i}"), instance)?;
         }
-        if !self.meshes.is_empty() {
-            return Err(unsupported("mesh", "[[mesh]]", "[[surface]] and [[plane]]"));
-        }
-        for (i, plane) in self.planes.iter().enumerate() {
-            check_point(&format!("plane.{i}.point"), plane.point)?;
-            if let Some(normal) = plane.normal {
-                check_direction(&format!("plane.{i}.normal"), normal)?;
-            }
-            self.check_material(&format!("plane.{i}.material"), plane.material.as_deref())?;
-        }
+        self.check_company()?;
         if let Some(ground) = &self.ground {
             let finite = ground.height.is_none_or(f64::is_finite);
             require(finite, "ground.height", "`height` must be a finite number")?;
@@ -87,7 +82,7 @@ impl Scene {
             looks::check_material(&format!("material.{name}"), material)?;
         }
         let shows_something =
-            !self.surfaces.is_empty() || !self.planes.is_empty() || self.ground.is_some();
+            !self.surfaces.is_empty() || self.has_company() || self.ground.is_some();
         if !shows_something {
             return Err(invalid("", "the scene shows nothing")
                 .with_help("add a [[surface]] with a `file` of particles"));
@@ -144,21 +139,7 @@ impl Scene {
             let message = format!("there is no surface `{name}`");
             return Err(invalid(format!("{key}.surface"), message).with_help(help));
         }
-        let map = instance.matrix.0;
-        let key_matrix = format!("{key}.matrix");
-        require(
-            map.is_finite() && map.inverse().is_finite(),
-            key_matrix.clone(),
-            "the matrix must have finite numbers and an inverse",
-        )?;
-        // |det| is the volume of the unit cube's image: compare it with what its edges could span.
-        let m = map.matrix3;
-        let edges = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-        require(
-            m.determinant().abs() > 1e-9 * edges,
-            key_matrix,
-            "the matrix is singular: it flattens the surface",
-        )?;
+        check_matrix(&format!("{key}.matrix"), &instance.matrix)?;
         self.check_material(&format!("{key}.material"), instance.material.as_deref())
     }
 }

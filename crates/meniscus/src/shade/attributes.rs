@@ -1,7 +1,7 @@
 //! Attributes of particles on the surface, blended by field weight.
 
 use crate::field::Contribution;
-use crate::frame::{Blobs, Frame, Geometry};
+use crate::frame::Frame;
 use crate::intersect::Hit;
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use glam::DVec3;
 /// order of first appearance; those of a name's first surface count.
 pub fn frame_attributes(frame: &Frame) -> Vec<(String, usize)> {
     let mut all: Vec<(String, usize)> = Vec::new();
-    for blobs in frame.geometries.iter().filter_map(blobs_of) {
+    for blobs in frame.blobs() {
         for attribute in &blobs.field.attributes {
             if !all.iter().any(|(name, _)| *name == attribute.name) {
                 all.push((attribute.name.clone(), attribute.components));
@@ -17,13 +17,6 @@ pub fn frame_attributes(frame: &Frame) -> Vec<(String, usize)> {
         }
     }
     all
-}
-
-fn blobs_of(geometry: &Geometry) -> Option<&Blobs> {
-    match geometry {
-        Geometry::Blobs(blobs) => Some(blobs),
-        Geometry::Plane(_) => None,
-    }
 }
 
 /// Where the attributes of each geometry go in the list of [`frame_attributes`].
@@ -55,7 +48,7 @@ impl AttributeLayout {
                 .geometries
                 .iter()
                 .map(|geometry| {
-                    blobs_of(geometry).map_or_else(Vec::new, |blobs| {
+                    geometry.blobs().map_or_else(Vec::new, |blobs| {
                         let attributes = blobs.field.attributes.iter();
                         attributes.map(|a| place(&a.name, a.components)).collect()
                     })
@@ -81,7 +74,7 @@ impl SurfaceAttributes {
     pub(super) fn gather(&mut self, frame: &Frame, surface: u32, position: DVec3) {
         self.parts.clear();
         let instance = &frame.instances[surface as usize];
-        if let Some(blobs) = blobs_of(&frame.geometries[instance.geometry as usize]) {
+        if let Some(blobs) = frame.geometries[instance.geometry as usize].blobs() {
             let object = instance.object_from_world.transform_point3(position);
             let local = object - blobs.field.origin;
             blobs.field.contributions(local, &mut self.parts);
@@ -92,7 +85,7 @@ impl SurfaceAttributes {
     pub(super) fn value(&mut self, frame: &Frame, surface: u32, attribute: usize) -> &[f32] {
         self.own.clear();
         let geometry = frame.instances[surface as usize].geometry as usize;
-        if let Some(blobs) = blobs_of(&frame.geometries[geometry])
+        if let Some(blobs) = frame.geometries[geometry].blobs()
             && let Some(column) = blobs.field.attributes.get(attribute)
         {
             self.blend.clear();

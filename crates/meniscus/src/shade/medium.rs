@@ -2,6 +2,7 @@
 //! in Ray Traced Images", Journal of Graphics Tools 7(2), 2002).
 
 use crate::frame::Frame;
+use crate::intersect::Scratch;
 use crate::math::ray::Side;
 use glam::DVec3;
 
@@ -19,10 +20,11 @@ impl MediumStack {
     /// The stack at a world point, by asking every clear surface.
     pub(super) fn at(frame: &Frame, point: DVec3) -> Self {
         let mut stack = Self::default();
+        let mut scratch = Scratch::default();
         for (surface, instance) in frame.instances.iter().enumerate() {
             let surface = surface as u32;
             let is_clear = frame.materials[instance.material as usize].kind.is_clear();
-            if is_clear && frame.side(surface, point) == Side::Inside {
+            if is_clear && frame.side(surface, point, &mut scratch) == Side::Inside {
                 stack.enter(surface);
             }
         }

@@ -82,6 +82,18 @@ impl Interaction<'_> {
         self.axes[2]
     }
 
+    /// Whether a world direction lies on the same side of the face as of the shading normal: on the
+    /// viewer's side or beyond. Where they differ, light would leak through the face.
+    pub(super) fn agrees(&self, direction: DVec3, on_viewers_side: bool) -> bool {
+        let Hit {
+            normal,
+            shading_normal,
+            entering,
+            ..
+        } = &self.hit;
+        shading_normal == normal || (direction.dot(*normal) > 0.0) == (on_viewers_side == *entering)
+    }
+
     /// The ray that leaves in world direction `direction`, which lies on the viewer's side or beyond.
     /// It states its side, so it starts on the surface itself.
     pub(super) fn leaving(&self, direction: DVec3, on_viewers_side: bool, time: f64) -> Ray {
@@ -224,7 +236,7 @@ impl<'a> World<'a> {
     pub(super) fn look(&self, hit: &Hit, scratch: &mut ShadeScratch) -> (Vec3, f64) {
         let (material, _) = self.material(hit.surface);
         let by_attribute =
-            matches!(material.base, BaseColor::Attribute(_)) || material.roughness_by.is_some();
+            !matches!(material.base, BaseColor::Constant(_)) || material.roughness_by.is_some();
         if by_attribute {
             scratch
                 .attributes
@@ -242,6 +254,12 @@ impl<'a> World<'a> {
     fn color(&self, base: &BaseColor, surface: u32, scratch: &mut ShadeScratch) -> [f32; 3] {
         match base {
             BaseColor::Constant(color) => *color,
+            BaseColor::Direct(attribute) => {
+                match *scratch.attributes.value(self.frame, surface, *attribute) {
+                    [r, g, b] => [r, g, b],
+                    _ => [0.0; 3],
+                }
+            }
             BaseColor::Attribute(coloring) => {
                 let attribute = coloring.attribute;
                 coloring.color(scratch.attributes.value(self.frame, surface, attribute))
@@ -291,10 +309,18 @@ impl<'a> World<'a> {
                 translucency: f64::from(material.translucency),
             }),
         };
-        let normal = if hit.entering {
+        // Clear surfaces refract by the face, so that what goes in comes out; a shading normal must not
+        // turn away from the viewer.
+        let outward = if material.kind.is_clear() {
             hit.normal
         } else {
-            -hit.normal
+            hit.shading_normal
+        };
+        let towards = if hit.entering { 1.0 } else { -1.0 };
+        let normal = if (outward * towards).dot(ray.direction) < 0.0 {
+            outward * towards
+        } else {
+            hit.normal * towards
         };
         let [x, y] = tangents(normal);
         let axes = [x, y, normal];

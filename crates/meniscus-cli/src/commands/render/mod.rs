@@ -30,11 +30,15 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
     let inputs = input::resolve(&args.inputs, selection.as_ref(), &edit)?;
     let is_sequence = inputs.is_sequence;
     let first = inputs.first.clone();
-    let mut jobs = output::assign(inputs, &args.output)?;
+    let jobs = match args.turntable {
+        None => output::assign(inputs, &args.output)?,
+        Some(count) => output::assign_turns(inputs, &args.output, count)?,
+    };
     check_outputs(args, &jobs)?;
+    let mut jobs: Vec<Job> = turns(jobs, args.turntable);
     if args.resume {
         let before = jobs.len();
-        jobs.retain(|(_, path)| !path.is_file());
+        jobs.retain(|job| !job.output.is_file());
         if jobs.len() < before {
             reporter.note(&format!(
                 "{} of {before} pictures are there already",
@@ -46,7 +50,13 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
     let mut all_stats = Vec::new();
     let state = RenderState::new();
     reporter.start(jobs.len());
-    for (index, (input, path)) in jobs.iter().enumerate() {
+    let mut kept = None;
+    for (index, job) in jobs.iter().enumerate() {
+        let Job {
+            input,
+            output: path,
+            turn,
+        } = job;
         interrupt::check()?;
         reporter.frame(index, input.number, path);
         let scene = match &mut fixed {
@@ -60,15 +70,41 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
             options: &options,
             engine: &engine,
             state: &state,
+            turn: *turn,
         };
-        all_stats.push(work.render(&reporter)?);
+        // Every picture of a turntable shows the same frame.
+        let loaded = match kept.take() {
+            Some(loaded) => loaded,
+            None => work.load(&reporter)?,
+        };
+        all_stats.push(work.render(&loaded, &reporter)?);
+        kept = args.turntable.map(|_| loaded.used_again());
         reporter.frame_done(index, path);
     }
     if let Some(path) = &args.stats {
-        write_stats(path, all_stats, is_sequence)?;
+        write_stats(path, all_stats, is_sequence || args.turntable.is_some())?;
     }
     reporter.finish();
     Ok(())
+}
+
+/// One picture to be made.
+struct Job {
+    input: FrameInput,
+    output: PathBuf,
+    /// How far the camera is turned around the object, in radians.
+    turn: f64,
+}
+
+fn turns(jobs: Vec<(FrameInput, PathBuf)>, turntable: Option<u32>) -> Vec<Job> {
+    let step = turntable.map_or(0.0, |count| std::f64::consts::TAU / f64::from(count));
+    let jobs = jobs.into_iter().enumerate();
+    jobs.map(|(index, (input, output))| Job {
+        input,
+        output,
+        turn: index as f64 * step,
+    })
+    .collect()
 }
 
 /// Finds out before the long work whether everything can be written, and that nothing is overwritten

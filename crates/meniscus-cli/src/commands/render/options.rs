@@ -119,12 +119,6 @@ fn refuse_what_is_to_come(args: &RenderArgs) -> Outcome {
             "--shutter 0",
         ));
     }
-    if args.turntable.is_some() {
-        return Err(Failure::not_yet(
-            "--turntable",
-            "several runs with --camera-eye",
-        ));
-    }
     let channels = || {
         CHANNELS
             .iter()
@@ -223,6 +217,8 @@ fn apply_look(args: &RenderArgs, scene: &mut Scene) -> Outcome {
                 .with_help("add --color-by and the name of a column"),
         );
     }
+    scene.cues.silhouettes = args.silhouettes.unwrap_or(scene.cues.silhouettes);
+    scene.cues.depth_shading = args.depth_shading.unwrap_or(scene.cues.depth_shading);
     let Some(name) = &args.preset else {
         return Ok(());
     };

@@ -35,6 +35,8 @@ pub(crate) struct FrameWork<'a> {
     pub engine: &'a EngineChoice,
     /// What earlier frames left behind.
     pub state: &'a RenderState,
+    /// How far the camera is turned around the object, in radians.
+    pub turn: f64,
 }
 
 /// The scene's camera; what is open frames the objects.
@@ -54,14 +56,34 @@ fn film_stops_early(work: &FrameWork<'_>) -> bool {
     work.scene.film.noise.is_some() || work.options.time_limit.is_some()
 }
 
+/// Depths between which the framed objects lie.
+fn depth_range(frame: &Frame, camera: &Camera) -> [f64; 2] {
+    let bounds = frame.framing_bounds();
+    let middle = camera.depth(bounds.center());
+    let reach = (bounds.size() * 0.5).dot(camera.forward.abs());
+    [middle - reach, middle + reach]
+}
+
 impl FrameWork<'_> {
-    /// Renders and writes the picture.
-    pub(crate) fn render(&self, reporter: &Reporter) -> Outcome<FrameStats> {
-        let start = Instant::now();
+    /// Reads and builds the frame.
+    pub(crate) fn load(&self, reporter: &Reporter) -> Outcome<LoadedFrame> {
         let aov = &self.options.aov;
-        let loaded = load::load(self.input, self.scene, aov, self.engine, reporter)?;
-        let camera = camera(self.scene, &loaded.frame)?;
-        let (film, rendered) = self.film(&loaded.frame, &camera, reporter)?;
+        load::load(self.input, self.scene, aov, self.engine, reporter)
+    }
+
+    /// Renders and writes the picture.
+    pub(crate) fn render(&self, loaded: &LoadedFrame, reporter: &Reporter) -> Outcome<FrameStats> {
+        let start = Instant::now();
+        let mut camera = camera(self.scene, &loaded.frame)?;
+        if self.turn != 0.0 {
+            let center = loaded.frame.framing_bounds().center();
+            camera = camera.turned(center, loaded.frame.up, self.turn);
+        }
+        let (mut film, rendered) = self.film(&loaded.frame, &camera, reporter)?;
+        if self.scene.cues.are_wanted() {
+            let range = depth_range(&loaded.frame, &camera);
+            film.apply_cues(&self.scene.cues, &camera, range);
+        }
         interrupt::check()?;
         if film_stops_early(self) {
             let mean = mean_samples(&film, &rendered);
@@ -79,9 +101,10 @@ impl FrameWork<'_> {
             loaded.build_secs,
             rendered.seconds,
         ));
-        let total_secs = start.elapsed().as_secs_f64();
+        let before = loaded.read_secs + loaded.build_secs;
+        let total_secs = before + start.elapsed().as_secs_f64();
         let mean_samples = mean_samples(&film, &rendered);
-        Ok(self.stats(&loaded, &rendered, mean_samples, [write_secs, total_secs]))
+        Ok(self.stats(loaded, &rendered, mean_samples, [write_secs, total_secs]))
     }
 
     fn film(
@@ -91,7 +114,11 @@ impl FrameWork<'_> {
         reporter: &Reporter,
     ) -> Outcome<(Film, RenderStats)> {
         let film = &self.scene.film;
-        let channels = ChannelSet::new(&self.options.aov, &frame_attributes(frame))
+        let mut aov = self.options.aov.clone();
+        if self.scene.cues.silhouettes > 0.0 {
+            aov.push("normal".to_owned());
+        }
+        let channels = ChannelSet::new(&aov, &frame_attributes(frame))
             .map_err(|error| Failure::wrong(format!("--aov: {error}")))?;
         let settings = RenderSettings {
             region: self.options.region,
@@ -155,9 +182,10 @@ impl FrameWork<'_> {
             .iter()
             .find_map(|material| match &material.base {
                 BaseColor::Attribute(coloring) => Some(coloring),
-                BaseColor::Constant(_) => None,
+                BaseColor::Constant(_) | BaseColor::Direct(_) => None,
             })?;
-        let surface = self.scene.surfaces.iter().find(|s| s.color_by.is_some())?;
+        let by = Some(coloring.label.as_str());
+        let surface = (self.scene.surfaces.iter()).find(|s| s.color_by.as_deref() == by)?;
         Some(Legend {
             name: coloring.label.clone(),
             unit: None,

@@ -4,9 +4,9 @@ use crate::exit::{Failure, Outcome};
 use crate::interrupt;
 use crate::progress::Reporter;
 use meniscus::film::{FilmError, write_aside};
-use meniscus::frame::{Blobs, Frame, Geometry, Instance};
+use meniscus::frame::{Blobs, Frame, Instance};
 use meniscus::intersect::{Crossing, Hit, Scratch};
-use meniscus::math::ray::{Ray, Side};
+use meniscus::math::ray::Ray;
 use meniscus::shade::frame_attributes;
 use npyz::WriterBuilder;
 use npyz::npz::NpzWriter;
@@ -37,7 +37,7 @@ pub(crate) enum Answers {
         t: Vec<f64>,
         /// Outward normals, 0 on a miss.
         normal: Vec<[f32; 3]>,
-        /// Row of the strongest particle, −1 on a miss and on planes.
+        /// Row of the strongest particle, −1 on a miss and beside particles.
         id: Vec<i64>,
         /// Index of the surface, −1 on a miss.
         surface: Vec<i32>,
@@ -84,7 +84,9 @@ impl Answers {
             }
             Question::All => {
                 let found = traced(rays, reporter, |ray, scratch| {
-                    crossings(frame, ray, scratch)
+                    let mut crossings = Vec::new();
+                    frame.crossings(ray, scratch, &mut crossings);
+                    crossings
                 })?;
                 Ok(Self::all(&found))
             }
@@ -237,10 +239,8 @@ fn traced<T: Send>(
 
 fn blobs_of(frame: &Frame, surface: usize) -> Option<(&Blobs, &Instance)> {
     let instance = &frame.instances[surface];
-    match &frame.geometries[instance.geometry as usize] {
-        Geometry::Blobs(blobs) => Some((blobs, instance)),
-        Geometry::Plane(_) => None,
-    }
+    let blobs = frame.geometries[instance.geometry as usize].blobs()?;
+    Some((blobs, instance))
 }
 
 fn closest(frame: &Frame, layout: &[(String, usize)], ray: &Ray, scratch: &mut Scratch) -> Closest {
@@ -276,46 +276,9 @@ fn closest(frame: &Frame, layout: &[(String, usize)], ray: &Ray, scratch: &mut S
         }
     }
     Closest {
-        inside: traceable && starts_inside(frame, ray),
+        inside: traceable && frame.starts_inside(ray, scratch),
         hit,
         id,
         attributes,
     }
-}
-
-/// Whether the ray's point at t_min lies inside a blob surface.
-fn starts_inside(frame: &Frame, ray: &Ray) -> bool {
-    (0..frame.instances.len()).any(|surface| {
-        blobs_of(frame, surface).is_some_and(|(blobs, instance)| {
-            let start = instance
-                .object_from_world
-                .transform_point3(ray.at(ray.t_min));
-            blobs.field.side(start - blobs.field.origin) == Side::Inside
-        })
-    })
-}
-
-/// The crossings with every surface, by t.
-fn crossings(frame: &Frame, ray: &Ray, scratch: &mut Scratch) -> Vec<Crossing> {
-    let mut all = Vec::new();
-    if !ray.is_traceable() {
-        return all;
-    }
-    for instance in &frame.instances {
-        let object_ray = Ray {
-            origin: instance.object_from_world.transform_point3(ray.origin),
-            direction: instance.object_from_world.transform_vector3(ray.direction),
-            ..*ray
-        };
-        match &frame.geometries[instance.geometry as usize] {
-            Geometry::Blobs(blobs) => blobs.crossings(&object_ray, scratch, &mut all),
-            Geometry::Plane(plane) => all.extend(
-                plane
-                    .closest(&object_ray)
-                    .map(|(t, entering)| Crossing { t, entering }),
-            ),
-        }
-    }
-    all.sort_by(|a, b| a.t.total_cmp(&b.t));
-    all
 }

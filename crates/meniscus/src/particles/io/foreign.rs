@@ -37,14 +37,11 @@ pub(super) fn recognise(bytes: &[u8]) -> Option<Foreign> {
         .find(|(at, magic, _)| bytes.get(*at..).is_some_and(|rest| rest.starts_with(magic)))
         .map(|(_, _, foreign)| *foreign);
     by_magic.or_else(|| {
-        let by_shape: [(bool, Foreign); 9] = [
+        let by_shape: [(bool, Foreign); 6] = [
             (
                 is_parsec(bytes),
                 planned("PARSEC fluid", "convert it to PLY, NPY or CSV"),
             ),
-            (is_pdb(start), molecule("PDB")),
-            (is_cif(start), molecule("mmCIF")),
-            (is_gro(start), molecule("GRO")),
             (
                 is_swc(start),
                 planned(
@@ -95,7 +92,7 @@ const fn other(name: &'static str, help: &'static str) -> Foreign {
 const fn molecule(name: &'static str) -> Foreign {
     planned(
         name,
-        "convert it to XYZ, for instance with Open Babel or VMD",
+        "convert it to PDB, GRO or XYZ, for instance with GROMACS, VMD or MDAnalysis",
     )
 }
 
@@ -174,47 +171,6 @@ fn is_parsec(bytes: &[u8]) -> bool {
     (1e-3..1e9).contains(&density)
         && count > 0
         && u64::from(count.unsigned_abs()) * 36 == rest.len() as u64
-}
-
-fn is_pdb(start: &[u8]) -> bool {
-    let first = [
-        "HEADER", "TITLE ", "COMPND", "REMARK", "CRYST1", "ATOM  ", "HETATM", "MODEL ", "AUTHOR",
-        "OBSLTE",
-    ];
-    let is_atom = |line: &[u8]| line.starts_with(b"ATOM  ") || line.starts_with(b"HETATM");
-    first
-        .iter()
-        .any(|record| start.starts_with(record.as_bytes()))
-        || lines(start, 1)
-            .take(200)
-            .filter(|(_, line)| is_atom(line) && line.len() > 46)
-            .count()
-            > 0
-}
-
-fn is_cif(start: &[u8]) -> bool {
-    lines(start, 1)
-        .map(|(_, line)| line)
-        .find(|line| !line.is_empty() && !line.starts_with(b"#"))
-        .is_some_and(|line| line.starts_with(b"data_"))
-}
-
-/// A title, a count, and atoms in fixed columns.
-fn is_gro(start: &[u8]) -> bool {
-    let mut lines = lines(start, 1).map(|(_, line)| line).skip(1);
-    let (Some(count), Some(atom)) = (lines.next(), lines.next()) else {
-        return false;
-    };
-    let number = |text: &[u8]| {
-        let text = text.trim_ascii();
-        !text.is_empty() && text.iter().all(u8::is_ascii_digit)
-    };
-    let coordinates = [20..28, 28..36, 36..44].map(|columns| atom.get(columns));
-    number(count)
-        && atom.get(..5).is_some_and(number)
-        && coordinates
-            .iter()
-            .all(|text| text.is_some_and(|text| float::<f64>(text.trim_ascii()).is_some()))
 }
 
 /// Rows `id type x y z radius parent`, the first without a parent.
@@ -321,12 +277,6 @@ mod tests {
         parsec.pop();
         assert_eq!(name(&parsec), None);
         for (text, expected) in [
-            ("HEADER    PROTEIN\nATOM      1", "PDB"),
-            ("#\ndata_1UBQ\n#\n_entry.id 1", "mmCIF"),
-            (
-                "title\n  1\n    1SOL     OW    1   0.230   0.628   0.113\n",
-                "GRO",
-            ),
             (
                 "# made by\n1 1 0.0 0.0 0.0 0.5 -1\n2 3 0 1 0 0.2 1\n",
                 "SWC skeleton",

@@ -6,18 +6,22 @@
 //! a number that stands in the file without holding it against the bytes that are really there.
 
 pub mod error;
+mod atom_names;
+mod atoms;
 mod bgeo;
 mod bgeo_write;
 mod bytes;
 mod csv;
 mod csv_write;
-mod elements;
 mod foreign;
 mod geo;
+mod gro;
 mod gzip;
+mod mmcif;
 mod npy;
 mod npy_write;
 mod npz;
+mod pdb;
 mod ply;
 mod ply_write;
 mod raw_xyz;
@@ -108,12 +112,21 @@ formats! {
     Geo geo "geo" "Houdini's classic text geometry, version 5 (.geo)";
     Npy npy "npy" "NumPy array (n, 3) or with named fields (.npy)";
     Npz npz "npz" "NumPy archive with an array of positions and one array per column (.npz)";
+    Pdb pdb "pdb" "Protein Data Bank text, models as frames (.pdb, .ent)";
+    Mmcif mmcif "mmcif" "macromolecular CIF, models as frames (.cif, .mmcif)";
+    Gro gro "gro" "GROMACS text coordinates in nm, several frames (.gro)";
     Csv csv "csv" "text table with a header, separated by commas, semicolons or tabs (.csv, .tsv)";
     Xyz xyz "xyz" "XYZ text, plain or extended, several frames, or bare rows of numbers (.xyz)";
     RawXyz raw_xyz "raw-xyz" "raw little-endian f32 x y z triples without a header (.xyz of splashsurf)";
 }
 
 impl Format {
+    /// Whether its particles are atoms with van der Waals radii, which decides what settings a
+    /// surface starts from.
+    pub fn is_molecule(self) -> bool {
+        matches!(self, Self::Pdb | Self::Mmcif | Self::Gro)
+    }
+
     /// Reads frame `frame` (from 0) of content that is not compressed as this format, whatever it
     /// looks like.
     ///

@@ -5,9 +5,9 @@ mod bare;
 mod layout;
 
 use super::bytes::assemble;
-use super::elements::atomic_number;
 use super::text::{float, lines, push, quote, unexpected, words};
 use super::{ParseError, Parsed, Place};
+use crate::particles::elements::atomic_number;
 use crate::particles::{Column, Particles};
 use glam::DVec3;
 use layout::{Layout, Property, Role};

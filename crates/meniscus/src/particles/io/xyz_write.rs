@@ -1,6 +1,6 @@
 //! Writes extended XYZ: a count, a line that describes the columns, one row per particle.
 
-use super::elements::symbol;
+use crate::particles::elements::symbol;
 use crate::particles::{ColumnData, Particles};
 use std::io::{Result, Write};
 

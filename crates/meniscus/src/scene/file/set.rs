@@ -11,7 +11,9 @@ const NAME: &str = "--set";
 /// More parts than any key has.
 const MAX_STEPS: usize = 16;
 /// Keys of the root that hold lists.
-const LISTS: [&str; 5] = ["surface", "instance", "mesh", "plane", "light"];
+const LISTS: [&str; 7] = [
+    "surface", "instance", "mesh", "sphere", "plane", "clip", "light",
+];
 
 impl Scene {
     /// Sets the value at a dotted key: `surface.0.threshold`, `camera.eye`, `material.clay.color`.

@@ -213,7 +213,8 @@ impl Shader<'_> {
         };
         let local = point.to_local(light.towards);
         let on_viewers_side = local.z > 0.0;
-        if !on_viewers_side && !point.bsdf.is_two_sided() {
+        let is_lit_from_there = on_viewers_side || point.bsdf.is_two_sided();
+        if !(is_lit_from_there && point.agrees(light.towards, on_viewers_side)) {
             return;
         }
         let scattered = point.bsdf.evaluate(point.view, local);
@@ -277,6 +278,9 @@ impl Shader<'_> {
             path.media = point.beyond;
         }
         let direction = point.to_world(sample.light);
+        if !point.agrees(direction, on_viewers_side) {
+            return false;
+        }
         path.ray = point.leaving(direction, on_viewers_side, path.ray.time);
         path.scattered_at = point.hit.position;
         path.density = sample.density;

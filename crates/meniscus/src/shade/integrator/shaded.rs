@@ -27,10 +27,16 @@ impl Shader<'_> {
     /// Seen from inside the fluid, a wall shows part of the diffuse light on its outer side: so an
     /// eye in the fluid sees shapes and shadows, and nothing shines there that is lit from nowhere.
     fn lit(&self, ray: &Ray, hit: &Hit, albedo: Vec3, scratch: &mut ShadeScratch) -> Vec3 {
-        let normal = hit.normal;
         let towards_eye = -ray.direction;
+        let from_inside = hit.normal.dot(towards_eye) < 0.0;
+        // A shading normal may turn away from the eye where the face does not.
+        let normal = hit.shading_normal;
         let facing = normal.dot(towards_eye) as f32;
-        let from_inside = facing < 0.0;
+        let facing = if from_inside {
+            facing
+        } else {
+            facing.max(1e-3)
+        };
         let (_, material) = self.world.material(hit.surface);
         let gloss = self.gloss[material].filter(|_| !from_inside);
         let coat = gloss.map_or(0.0, |gloss| gloss.reflectance(facing));
@@ -39,7 +45,8 @@ impl Shader<'_> {
         let mut specular = Vec3::ZERO;
         for light in self.world.lights.hard(hit.position) {
             let nl = normal.dot(light.towards) as f32;
-            if nl <= 0.0 || self.is_shadowed(ray, hit, &light, scratch) {
+            let is_behind_face = hit.normal.dot(light.towards) <= 0.0;
+            if nl <= 0.0 || is_behind_face || self.is_shadowed(ray, hit, &light, scratch) {
                 continue;
             }
             let radiance = light.weight * FRAC_1_PI;

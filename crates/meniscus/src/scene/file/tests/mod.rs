@@ -5,9 +5,9 @@ mod set;
 use super::*;
 use crate::kernel::Kernel;
 use crate::scene::{
-    Background, CameraSettings, Clipping, Color, ColorMap, FilmSettings, Ground, Instance,
-    IntegratorKind, IntegratorSettings, LeafCost, Light, LightKind, Material, MaterialKind, Matrix,
-    Plane, Surface, Up, Weights,
+    Background, CameraSettings, Clip, Clipping, Color, ColorMap, CueSettings, FilmSettings, Ground,
+    Instance, IntegratorKind, IntegratorSettings, LeafCost, Light, LightKind, Material,
+    MaterialKind, Matrix, Mesh, Plane, Sphere, Surface, Up, Weights,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
@@ -28,6 +28,10 @@ white_balance = 5600
 noise = 0.02
 background = "#ff8000"
 
+[cues]
+silhouettes = 0.5
+depth_shading = 2
+
 [integrator]
 type = "path"
 depth = 3
@@ -39,6 +43,7 @@ caustics = false
 cost = "n"
 fit = false
 clipping = "kanamori"
+builder = "morton"
 
 [[surface]]
 name = "crown"
@@ -68,6 +73,19 @@ weights = "unit"
 surface = "crown"
 matrix = [[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 2, 7], [0, 0, 0, 1]]
 material = "wet"
+
+[[mesh]]
+file = "tank.obj"
+matrix = [[1, 0, 0, 2], [0, 1, 0, 0], [0, 0, 1, 0]]
+material = "wet"
+
+[[sphere]]
+center = [1, 2, 3]
+radius = 0.5
+
+[[clip]]
+point = [0, 0, 1]
+normal = [0, 0, 2]
 
 [[plane]]
 point = [0, -1, 0]
@@ -141,6 +159,7 @@ fn full() -> Scene {
             cost: LeafCost::N,
             fit: false,
             clipping: Clipping::Kanamori,
+            builder: crate::scene::Builder::Morton,
             ..Default::default()
         },
         surfaces: vec![
@@ -228,7 +247,25 @@ fn full() -> Scene {
             ),
         ]
         .into(),
-        meshes: Vec::new(),
+        meshes: vec![Mesh {
+            file: "tank.obj".into(),
+            matrix: Matrix(DAffine3::from_translation(DVec3::X * 2.0)),
+            material: Some("wet".to_owned()),
+        }],
+        spheres: vec![Sphere {
+            center: DVec3::new(1.0, 2.0, 3.0),
+            radius: 0.5,
+            material: None,
+        }],
+        cues: CueSettings {
+            silhouettes: 0.5,
+            depth_shading: 2.0,
+            ..CueSettings::default()
+        },
+        clips: vec![Clip {
+            point: DVec3::Z,
+            normal: DVec3::Z * 2.0,
+        }],
     }
 }
 

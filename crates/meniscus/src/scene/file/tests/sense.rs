@@ -289,7 +289,6 @@ fn what_is_announced_but_not_there_yet_says_so() {
             "\"points\"",
             "surface type `points`",
         ),
-        ("[[mesh]]\nfile = \"a.obj\"", "[[mesh]]", "[[mesh]]"),
     ];
     for (text, pointed_at, what) in cases {
         let (error, pointed) = error_of(text);

@@ -1,0 +1,67 @@
+//! Writes the meshes of the scenes that stand in `scenes/`: a tank for the pool and a ring.
+//!
+//! ```text
+//! cargo run -p meniscus --example scene_meshes -- scenes
+//! ```
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+fn main() -> std::io::Result<()> {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
+    std::fs::write(folder.join("tank.obj"), tank(0.03, 0.5))?;
+    std::fs::write(folder.join("ring.obj"), ring(1.0, 0.12, [64, 16]))
+}
+
+/// An open-topped tank around the unit square: one closed solid, z up.
+fn tank(wall: f64, height: f64) -> String {
+    let mut text = "# a tank: inside 1 x 1, z up; one closed solid\n".to_owned();
+    // Rings of corners from the middle of the outer bottom up, over the rim and down to the inner one.
+    let rings = [(-wall, -wall), (-wall, height), (0.0, height), (0.0, 0.0)];
+    for (inset, z) in rings {
+        let (low, high) = (inset, 1.0 - inset);
+        for (x, y) in [(low, low), (high, low), (high, high), (low, high)] {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "v {x} {y} {z}");
+        }
+    }
+    let mut face = |corners: [usize; 4]| {
+        let [a, b, c, d] = corners.map(|corner| corner + 1);
+        let _ = writeln!(text, "f {a} {b} {c} {d}");
+    };
+    face([3, 2, 1, 0]);
+    for ring in 0..3 {
+        for side in 0..4 {
+            let next = (side + 1) % 4;
+            let (below, above) = (4 * ring, 4 * (ring + 1));
+            face([below + side, below + next, above + next, above + side]);
+        }
+    }
+    face([12, 13, 14, 15]);
+    text
+}
+
+/// A torus about the z axis with smooth normals.
+fn ring(radius: f64, thickness: f64, [around, across]: [usize; 2]) -> String {
+    let mut text = "# a ring about z\n".to_owned();
+    for i in 0..around {
+        let (sin, cos) = (TAU * i as f64 / around as f64).sin_cos();
+        for j in 0..across {
+            let (up, out) = (TAU * j as f64 / across as f64).sin_cos();
+            let reach = radius + thickness * out;
+            let (x, y, z) = (cos * reach, sin * reach, thickness * up);
+            let (nx, ny) = (cos * out, sin * out);
+            let _ = writeln!(text, "v {x:.6} {y:.6} {z:.6}\nvn {nx:.5} {ny:.5} {up:.5}");
+        }
+    }
+    for i in 0..around {
+        for j in 0..across {
+            let at = |i: usize, j: usize| (i % around) * across + j % across + 1;
+            let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            let [a, b, c, d] = corners;
+            let _ = writeln!(text, "f {a}//{a} {b}//{b} {c}//{c} {d}//{d}");
+        }
+    }
+    text
+}
