@@ -56,8 +56,10 @@ pub(crate) struct ImageStats {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// Samples per pixel.
+    /// Samples per pixel; the most where sampling may end early.
     pub spp: u32,
+    /// Samples that a pixel got on average.
+    pub mean_samples: f64,
 }
 
 /// Rays by purpose.

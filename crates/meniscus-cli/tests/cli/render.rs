@@ -206,3 +206,78 @@ fn json_progress_is_one_object_a_line() {
             .all(|fraction| (0.0..=1.0).contains(fraction))
     );
 }
+
+#[test]
+fn integrators_count_the_rays_that_they_are_about() {
+    let folder = Folder::with_water();
+    folder.write(
+        "clear.toml",
+        "[[surface]]\nfile = \"water.vtk\"\nmaterial = \"clear\"\n[ground]\n\
+         [material.clear]\ntype = \"water\"\n",
+    );
+    for (flags, kinds) in [
+        ("--integrator shaded", &["primary", "shadow"][..]),
+        ("--integrator ao", &["primary", "ambient_occlusion"]),
+        (
+            "--integrator whitted",
+            &["primary", "shadow", "reflection", "refraction"],
+        ),
+        (
+            "--integrator path",
+            &["primary", "shadow", "reflection", "refraction", "diffuse"],
+        ),
+    ] {
+        for threads in [1, 3] {
+            folder.done(&format!(
+                "render clear.toml -o {threads}.png {SMALL} {flags} --threads {threads} --stats s.json"
+            ));
+        }
+        assert_eq!(folder.read("1.png"), folder.read("3.png"), "{flags}");
+        let rays = folder.json("s.json")["rays"].clone();
+        for (kind, count) in rays.as_object().unwrap() {
+            let expected = kinds.contains(&kind.as_str());
+            assert_eq!(count.as_u64().unwrap() > 0, expected, "{flags}: {rays}");
+        }
+    }
+}
+
+#[test]
+fn presets_choose_their_integrator_and_flags_override_it() {
+    let folder = Folder::with_water();
+    let refracted = |flags: &str| {
+        folder.done(&format!(
+            "render water.vtk -o out.png {SMALL} --stats s.json {flags}"
+        ));
+        folder.json("s.json")["rays"]["refraction"]
+            .as_u64()
+            .unwrap()
+            > 0
+    };
+    assert!(refracted("--preset water"));
+    assert!(refracted("--preset honey"));
+    assert!(!refracted("--preset mercury"));
+    assert!(!refracted("--preset milk"));
+    assert!(!refracted("--preset water --integrator shaded"));
+    assert!(!refracted("--preset clay"));
+}
+
+#[test]
+fn noise_and_time_end_the_sampling_early() {
+    let folder = Folder::with_water();
+    let flags = "--size 48x32 --integrator path --ground --stats s.json";
+    folder.done(&format!(
+        "render water.vtk -o a.exr {flags} --noise 0.2 --aov samples"
+    ));
+    let mean = |folder: &Folder| {
+        folder.json("s.json")["image"]["mean_samples"]
+            .as_f64()
+            .unwrap()
+    };
+    assert!((16.0..1024.0).contains(&mean(&folder)), "{}", mean(&folder));
+    folder.done(&format!(
+        "render water.vtk -o b.png {flags} --time-limit 0.01"
+    ));
+    assert!(mean(&folder) >= 1.0);
+    folder.done(&format!("render water.vtk -o c.png {flags} --spp 3"));
+    assert_eq!(mean(&folder), 3.0);
+}

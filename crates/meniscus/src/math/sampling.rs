@@ -345,6 +345,35 @@ mod tests {
     }
 
     #[test]
+    fn things_are_drawn_by_their_weights() {
+        let some = Distribution::new([0.0, 1.0, 0.0, 3.0, 0.0].into_iter());
+        let mut counts = [0; 5];
+        for i in 0..1000 {
+            let u = (f64::from(i) + 0.5) / 1000.0;
+            let (index, through, part) = some.sample(u).unwrap();
+            counts[index] += 1;
+            assert!((0.0..1.0).contains(&through));
+            assert_eq!(part, some.part(index));
+        }
+        assert_eq!(counts, [0, 250, 0, 750, 0]);
+        assert_eq!(some.sample(1.0 - f64::EPSILON / 2.0).unwrap().0, 3);
+        assert_eq!(Distribution::new([0.0; 3].into_iter()).sample(0.5), None);
+        assert_eq!(Distribution::new(std::iter::empty()).sample(0.5), None);
+    }
+
+    #[test]
+    fn points_of_one_draw_are_stratified_with_those_of_other_samples() {
+        let mut cells = [0; 64];
+        for sample in 0..16 {
+            let mut sampler = PixelSampler::new([3, 1], sample, 0);
+            for [u, v] in sampler.next_2d_of(4) {
+                cells[(u * 8.0) as usize * 8 + (v * 8.0) as usize] += 1;
+            }
+        }
+        assert_eq!(cells, [1; 64]);
+    }
+
+    #[test]
     fn disk_is_uniform_by_area() {
         let mut quadrants = [0_u32; 4];
         let mut inner = 0;

@@ -82,6 +82,18 @@ impl Interaction<'_> {
         self.axes[2]
     }
 
+    /// Whether a world direction lies on the same side of the face as of the shading normal: on the
+    /// viewer's side or beyond. Where they differ, light would leak through the face.
+    pub(super) fn agrees(&self, direction: DVec3, on_viewers_side: bool) -> bool {
+        let Hit {
+            normal,
+            shading_normal,
+            entering,
+            ..
+        } = &self.hit;
+        shading_normal == normal || (direction.dot(*normal) > 0.0) == (on_viewers_side == *entering)
+    }
+
     /// The ray that leaves in world direction `direction`, which lies on the viewer's side or beyond.
     /// It states its side, so it starts on the surface itself.
     pub(super) fn leaving(&self, direction: DVec3, on_viewers_side: bool, time: f64) -> Ray {
@@ -123,7 +135,8 @@ pub(super) struct World<'a> {
     /// Stands behind everything in a scene that has nothing around it.
     default_sky: Sky,
     prepared: Vec<Prepared>,
-    has_clear: bool,
+    /// How many surfaces are clear.
+    clear_count: usize,
     /// If all attributes are wanted at every first hit.
     attributes: Option<AttributeLayout>,
 }
@@ -147,7 +160,14 @@ impl<'a> World<'a> {
             background,
             default_sky: default_sky(),
             prepared,
-            has_clear: frame.materials.iter().any(|m| m.kind.is_clear()),
+            clear_count: frame
+                .instances
+                .iter()
+                .filter(|instance| {
+                    let material = &frame.materials[instance.material as usize];
+                    material.kind.is_clear()
+                })
+                .count(),
             attributes: with_attributes.then(|| AttributeLayout::new(frame)),
         }
     }
@@ -360,8 +380,8 @@ impl<'a> World<'a> {
         }))
     }
 
-    /// How much of the light from `distance` along `ray` arrives. Clear surfaces stop it; or, if
-    /// `straight`, they let through what they do not reflect, without bending it.
+    /// How much of the light from `distance` along `ray` arrives. Boundaries of clear media stop it;
+    /// or, if `straight`, they let through what they do not reflect, without bending it.
     pub(super) fn reach(
         &self,
         mut ray: Ray,
@@ -371,7 +391,9 @@ impl<'a> World<'a> {
         scratch: &mut ShadeScratch,
     ) -> Reach {
         scratch.rays.shadow += 1;
-        if !(straight && self.has_clear) {
+        // One clear surface alone has no boundaries that are none.
+        let walks = self.clear_count > 1 || straight && self.clear_count > 0;
+        if !walks {
             ray.t_max = distance;
             if self.frame.any_hit(&ray, &mut scratch.trace) {
                 return Reach::NOTHING;
@@ -396,12 +418,17 @@ impl<'a> World<'a> {
             if !self.material(hit.surface).0.kind.is_clear() {
                 return Reach::NOTHING;
             }
-            reach.went_through = true;
             reach.part *= self.absorbed(&ray, hit.t, &media, scratch);
             let beyond = media.crossed(hit.surface, hit.entering);
-            let [ior, ior_beyond] = [media.ior(self.frame), beyond.ior(self.frame)];
-            let cosine = hit.normal.dot(ray.direction).abs().min(1.0);
-            reach.part *= 1.0 - dielectric_reflectance(cosine, ior / ior_beyond).0 as f32;
+            if beyond.filling(self.frame) != media.filling(self.frame) {
+                if !straight {
+                    return Reach::NOTHING;
+                }
+                reach.went_through = true;
+                let [ior, ior_beyond] = [media.ior(self.frame), beyond.ior(self.frame)];
+                let cosine = hit.normal.dot(ray.direction).abs().min(1.0);
+                reach.part *= 1.0 - dielectric_reflectance(cosine, ior / ior_beyond).0 as f32;
+            }
             if reach.part.max_element() <= 0.0 {
                 return Reach::NOTHING;
             }

@@ -46,6 +46,11 @@ pub(crate) fn camera(scene: &Scene, frame: &Frame) -> Outcome<Camera> {
         .map_err(|error| Failure::wrong(error.to_string()))
 }
 
+/// Samples that a pixel got on average.
+fn mean_samples(film: &Film, rendered: &RenderStats) -> f64 {
+    rendered.rays.primary as f64 / film.region().pixels().max(1) as f64
+}
+
 /// Whether pixels may get fewer samples than `spp`.
 fn film_stops_early(work: &FrameWork<'_>) -> bool {
     work.scene.film.noise.is_some() || work.options.time_limit.is_some()
@@ -81,11 +86,8 @@ impl FrameWork<'_> {
         }
         interrupt::check()?;
         if film_stops_early(self) {
-            let pixels = film.region().pixels().max(1) as f64;
-            reporter.note(&format!(
-                "{:.1} samples per pixel",
-                rendered.rays.primary as f64 / pixels
-            ));
+            let mean = mean_samples(&film, &rendered);
+            reporter.note(&format!("{mean:.1} samples per pixel"));
         }
         reporter.stage("write");
         let writing = Instant::now();
@@ -101,7 +103,8 @@ impl FrameWork<'_> {
         ));
         let before = loaded.read_secs + loaded.build_secs;
         let total_secs = before + start.elapsed().as_secs_f64();
-        Ok(self.stats(loaded, &rendered, write_secs, total_secs))
+        let mean_samples = mean_samples(&film, &rendered);
+        Ok(self.stats(loaded, &rendered, mean_samples, [write_secs, total_secs]))
     }
 
     fn film(
@@ -195,8 +198,8 @@ impl FrameWork<'_> {
         &self,
         loaded: &LoadedFrame,
         rendered: &RenderStats,
-        write_secs: f64,
-        total_secs: f64,
+        mean_samples: f64,
+        [write_secs, total_secs]: [f64; 2],
     ) -> FrameStats {
         let reports = &loaded.reports;
         let settings = loaded.settings.first();
@@ -222,6 +225,7 @@ impl FrameWork<'_> {
                 width: film.width,
                 height: film.height,
                 spp: film.spp,
+                mean_samples,
             },
             read_secs: loaded.read_secs,
             build_secs: loaded.build_secs,

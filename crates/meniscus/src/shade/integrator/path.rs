@@ -40,6 +40,8 @@ struct Path {
     density: f64,
     /// Whether a surface that spreads light lies behind it.
     is_spread: bool,
+    /// Whether its next surface ends it: then it can only find lights.
+    is_last: bool,
 }
 
 fn power_heuristic(density: f64, other: f64) -> f32 {
@@ -69,6 +71,7 @@ impl Shader<'_> {
             scattered_at: ray.origin,
             density: f64::INFINITY,
             is_spread: false,
+            is_last: false,
         };
         let mut known = Some(first);
         let mut first = None;
@@ -109,10 +112,15 @@ impl Shader<'_> {
             };
             if first.is_none() {
                 first = Some((hit, point.color));
+                let shows_backdrop_alone = world.opacity(&hit) == 0.0
+                    && self.settings.background != Background::Transparent;
+                if shows_backdrop_alone {
+                    break;
+                }
             } else if !self.fade(&mut path, &hit) {
                 break;
             }
-            if path.surfaces >= self.settings.integrator.depth {
+            if path.is_last {
                 break;
             }
             sampler.skip_to(1 + path.surfaces * DRAWS);
@@ -209,7 +217,8 @@ impl Shader<'_> {
         };
         let local = point.to_local(light.towards);
         let on_viewers_side = local.z > 0.0;
-        if !on_viewers_side && !point.bsdf.is_two_sided() {
+        let is_lit_from_there = on_viewers_side || point.bsdf.is_two_sided();
+        if !(is_lit_from_there && point.agrees(light.towards, on_viewers_side)) {
             return;
         }
         let scattered = point.bsdf.evaluate(point.view, local);
@@ -259,9 +268,8 @@ impl Shader<'_> {
             Scattering::Refraction => (2, settings.transmission_depth),
         };
         path.kinds[kind] += 1;
-        if limit.is_some_and(|limit| path.kinds[kind] > limit) {
-            return false;
-        }
+        path.is_last =
+            path.surfaces >= settings.depth || limit.is_some_and(|limit| path.kinds[kind] > limit);
         if path.surfaces >= SURE_SURFACES {
             let probability = path.throughput.max_element().min(MOST_SURVIVAL);
             if survival as f32 >= probability {
@@ -274,6 +282,9 @@ impl Shader<'_> {
             path.media = point.beyond;
         }
         let direction = point.to_world(sample.light);
+        if !point.agrees(direction, on_viewers_side) {
+            return false;
+        }
         path.ray = point.leaving(direction, on_viewers_side, path.ray.time);
         path.scattered_at = point.hit.position;
         path.density = sample.density;

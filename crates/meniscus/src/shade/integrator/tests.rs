@@ -451,6 +451,72 @@ fn an_eye_in_water_sees_total_reflection_beyond_the_critical_angle() {
 }
 
 #[test]
+fn lamps_shine_through_boundaries_that_are_none() {
+    // A floor in water, and more water of another surface within it: both ways to a lamp in the first
+    // water cross boundaries that are none.
+    let mut scene = Scene::default();
+    let water = Material {
+        absorption: Some(Color::WHITE),
+        ..Material::of(MaterialKind::Water, None)
+    };
+    named("drop", water.clone(), &mut scene);
+    scene.materials.insert("water".to_owned(), water);
+    scene
+        .materials
+        .insert("floor".to_owned(), material(MaterialKind::Diffuse));
+    for (name, height) in [("floor", -1.5), ("water", 9.0)] {
+        scene.planes.push(Plane {
+            point: DVec3::Y * height,
+            material: Some(name.to_owned()),
+            ..Plane::default()
+        });
+    }
+    let mut frame = lit(&scene, vec![ball(1.0)]);
+    frame.lights = vec![Light::Sphere {
+        center: DVec3::Y * 2.5,
+        radius: 0.5,
+        radiance: [2.0; 3],
+    }];
+    let eye = DVec3::new(3.0, 0.0, 0.0);
+    let ray = Ray::new(eye, (DVec3::NEG_Y * 1.5 - eye).normalize());
+    let (seen, error) = mean(&frame, &path_settings(1), &ray, 4096);
+    // E/π = L r²/d², and the lamp's basic radiance is L/n².
+    let expected = 2.0 * 0.25 / 16.0 / 1.333_f64.powi(2);
+    assert!(
+        (seen - expected).abs() < 4.0 * error + 1e-3 * expected,
+        "{seen} ± {error} for {expected}"
+    );
+}
+
+#[test]
+fn limits_by_kind_keep_the_light_that_comes_before_them() {
+    // A floor under a lamp needs one diffuse surface and no bounce.
+    let mut scene = Scene::default();
+    let floor = material(MaterialKind::Diffuse);
+    scene.materials.insert("floor".to_owned(), floor);
+    scene.planes.push(Plane {
+        material: Some("floor".to_owned()),
+        ..Plane::default()
+    });
+    let mut frame = lit(&scene, Vec::new());
+    frame.lights = vec![Light::Sphere {
+        center: DVec3::Y * 2.0,
+        radius: 1.5,
+        radiance: [1.0; 3],
+    }];
+    let mut settings = path_settings(8);
+    settings.integrator.diffuse_depth = Some(0);
+    let eye = DVec3::new(4.0, 1.0, 0.0);
+    let ray = Ray::new(eye, -eye.normalize());
+    let (seen, error) = mean(&frame, &settings, &ray, 4096);
+    let expected = (1.5_f64 / 2.0).powi(2);
+    assert!(
+        (seen - expected).abs() < 4.0 * error + 2e-3,
+        "{seen} ± {error}"
+    );
+}
+
+#[test]
 fn caustics_left_out_let_lamps_shine_straight_through_clear_surfaces() {
     // A floor under a clear pane of index 1 that absorbs half: exactly half of the sun arrives.
     let mut scene = Scene::default();

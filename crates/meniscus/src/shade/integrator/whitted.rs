@@ -118,7 +118,11 @@ impl Shader<'_> {
                 return Vec3::ZERO;
             }
             let on_viewers_side = local.z > 0.0;
-            let ray = point.leaving(point.to_world(local), on_viewers_side, ray.time);
+            let direction = point.to_world(local);
+            if !point.agrees(direction, on_viewers_side) {
+                return Vec3::ZERO;
+            }
+            let ray = point.leaving(direction, on_viewers_side, ray.time);
             let media = if on_viewers_side {
                 *media
             } else {
@@ -182,6 +186,9 @@ impl Shader<'_> {
                 continue;
             }
             let on_viewers_side = local.z > 0.0;
+            if !point.agrees(light.towards, on_viewers_side) {
+                continue;
+            }
             let media = if on_viewers_side {
                 *media
             } else {
