@@ -6,9 +6,10 @@
 
 #![allow(clippy::print_stdout, reason = "a command whose output is its purpose")]
 
-use meniscus::accel::particles::{Builder, ParticleTree};
+use meniscus::accel::particles::ParticleTree;
 use meniscus::field::BlobField;
 use meniscus::scene::BlobSettings;
+use meniscus::scene::Builder;
 use meniscus::scene::generate::Generator;
 use std::error::Error;
 use std::time::Instant;

@@ -8,7 +8,10 @@ use meniscus::math::DVec3;
 use meniscus::particles::{Column, Particles};
 use meniscus::render::{Backend, CpuBackend, Progress, RenderSettings, RenderState};
 use meniscus::scene::camera::Camera;
-use meniscus::scene::{Background, BlobSettings, Ground, Scene, Surface, Weights};
+use meniscus::scene::{
+    Background, BlobSettings, Color, Ground, IntegratorKind, Material, MaterialKind, Scene,
+    Surface, Weights,
+};
 use meniscus_testing::image::{Budget, Picture, assert_golden};
 use std::path::Path;
 
@@ -111,4 +114,24 @@ fn one_sample_from_inside_the_fluid() {
         ..RenderSettings::default()
     };
     check("inside", &scene, &settings);
+}
+
+#[test]
+fn a_mirror_on_the_ground_by_a_tree_of_rays() {
+    let mut scene = scene();
+    scene.ground = Some(Ground::default());
+    scene.surfaces[0].material = Some("mirror".into());
+    let mirror = Material::of(MaterialKind::Mirror, Some(Color([0.9, 0.8, 0.7])));
+    scene.materials.insert("mirror".into(), mirror);
+    let mut settings = RenderSettings::default();
+    settings.integrator.kind = IntegratorKind::Whitted;
+    settings.integrator.depth = 4;
+    check("mirror", &scene, &settings);
+}
+
+#[test]
+fn ambient_occlusion_of_a_string_of_balls() {
+    let mut settings = RenderSettings::default();
+    settings.integrator.kind = IntegratorKind::Ao;
+    check("occlusion", &scene(), &settings);
 }

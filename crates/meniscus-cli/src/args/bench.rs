@@ -14,7 +14,8 @@ hemisphere (one cosine-distributed ray per hit, in pixel order), shuffled (the s
 A pass counts ray generation, traversal, hit point and normal. Figures are medians over the repeats.
 
 meniscus bench paper [TABLE] repeats the tables gourmel-1, gourmel-3, gourmel-4 and gourmel-5 (Gourmel
-et al. 2010) and prints the paper's ratios beside ours.
+et al. 2010), kanamori-1 and kanamori-clipping (Kanamori et al. 2008) and prints the papers' ratios
+beside ours.
 
 Examples:
   meniscus bench pool.toml

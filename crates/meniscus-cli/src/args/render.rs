@@ -78,6 +78,23 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub spp: Option<u32>,
+    /// Sample until this little noise is left, relative to brightness, as in 0.02; --spp is the most
+    /// then [default with --noise: 1024]
+    #[arg(
+        long,
+        value_name = "X",
+        help_heading = "Picture",
+        allow_hyphen_values = true
+    )]
+    pub noise: Option<f64>,
+    /// Sample for about this many seconds; --spp is the most
+    #[arg(
+        long,
+        value_name = "SECS",
+        help_heading = "Picture",
+        allow_hyphen_values = true
+    )]
+    pub time_limit: Option<f64>,
     /// Render only this part, in pixels from the top left corner
     #[arg(
         long,
@@ -111,10 +128,12 @@ pub(crate) struct RenderArgs {
     )]
     pub png_depth: u8,
 
-    /// How light is gathered: shaded [default: shaded]
+    /// How light is gathered: shaded (a fast look), whitted (mirrors and refraction with hard
+    /// shadows), ao (ambient occlusion) or path (path tracing) [default: shaded]
     #[arg(long, value_name = "NAME", help_heading = "Look")]
     pub integrator: Option<String>,
-    /// A look under one name: water, molecule, clay, preview
+    /// A look under one name: water, milk, honey, mercury (these with --integrator path), molecule,
+    /// clay, preview
     #[arg(long, value_name = "NAME", help_heading = "Look")]
     pub preset: Option<String>,
     /// Colour by a column: a number, a vector's magnitude, or a component such as velocity.y; by

@@ -29,6 +29,12 @@ pub(crate) fn carry(
             add(color_by);
         }
     }
+    for name in [&surface.roughness_by, &surface.absorption_by]
+        .into_iter()
+        .flatten()
+    {
+        add(name);
+    }
     for name in aov.iter().map(|name| name.trim()) {
         if name == "all" {
             let columns = particles.columns.iter();

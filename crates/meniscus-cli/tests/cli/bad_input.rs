@@ -113,6 +113,12 @@ fn settings_out_of_range() {
         ("--threads 0", &["--threads"]),
         ("--simd mmx", &["mmx"]),
         ("--png-depth 12", &["--png-depth"]),
+        ("--integrator photons", &["photons", "path"]),
+        ("--noise 0", &["noise"]),
+        ("--noise 1.5", &["noise"]),
+        ("--time-limit 0", &["--time-limit"]),
+        ("--time-limit -1", &["--time-limit"]),
+        ("--noise 0.1 --samples 0-3", &["--samples"]),
         ("--frames 0", &["frames"]),
         ("--frames a-b", &["--frames"]),
         ("--aov all", &[".exr"]),
@@ -131,14 +137,7 @@ fn settings_out_of_range() {
 #[test]
 fn what_is_announced_and_not_there_yet_is_said() {
     let folder = Folder::with_water();
-    for flags in [
-        "--engine peel",
-        "--device gpu",
-        "--shutter 0.5",
-        "--integrator path",
-        "--integrator whitted",
-        "--integrator ao",
-    ] {
+    for flags in ["--engine peel", "--device gpu", "--shutter 0.5"] {
         let words = format!("render water.vtk -o out.png {flags}");
         folder.fails(&words, 2, &["not available yet"]);
     }
@@ -226,4 +225,46 @@ fn scenes_are_answered_with_a_caret() {
     folder.write("gone.toml", "[[surface]]\nfile = \"gone.vtk\"\n");
     folder.fails("render gone.toml -o out.png", 1, &["gone.vtk"]);
     folder.fails("info typo.toml", 2, &["typo.toml:3:1"]);
+}
+
+#[test]
+fn lights_and_materials_that_make_no_sense_are_answered() {
+    let folder = Folder::with_water();
+    let scene = |rest: &str| format!("[[surface]]\nfile = \"water.vtk\"\n{rest}\n");
+    folder.write("text.hdr", "not an image");
+    folder.write(
+        "huge.hdr",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8000 +X 16000\n\x02\x02",
+    );
+    for (rest, parts) in [
+        ("material = \"gold\"", &["gold"][..]),
+        (
+            "[material.glass]\ntype = \"glass\"\nior = 0",
+            &["light.toml:5", "ior"],
+        ),
+        (
+            "[material.glass]\ntype = \"glas\"",
+            &["light.toml:4", "glass"],
+        ),
+        (
+            "[[light]]\ntype = \"sphere\"\nposition = [0, 1, 0]\nradius = 0",
+            &["light.toml:6", "radius"],
+        ),
+        (
+            "[[light]]\ntype = \"environment\"\nfile = \"gone.hdr\"",
+            &["gone.hdr", "cannot be read"],
+        ),
+        (
+            "[[light]]\ntype = \"environment\"\nfile = \"text.hdr\"",
+            &["text.hdr", ".exr"],
+        ),
+        (
+            "[[light]]\ntype = \"environment\"\nfile = \"huge.hdr\"",
+            &["huge.hdr", "damaged"],
+        ),
+        ("roughness_by = \"wear\"", &["wear"]),
+    ] {
+        folder.write("light.toml", scene(rest));
+        folder.fails("render light.toml -o out.png --size 16x9", 2, parts);
+    }
 }

@@ -78,11 +78,12 @@ impl Accel {
         field: &crate::field::BlobField,
         settings: &EngineSettings,
     ) -> Self {
+        let particle_tree = || particles::ParticleTree::build(field, settings.builder);
         let metaballs = |boxes| MetaballTree::build(field, boxes, settings);
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field)),
-            Engine::Particles => Self::Particles(particle_tree(field)),
-            Engine::Interval => Self::Interval(particle_tree(field)),
+            Engine::Particles => Self::Particles(particle_tree()),
+            Engine::Interval => Self::Interval(particle_tree()),
             Engine::MetaballBvh => Self::Metaballs(metaballs(metaballs::Boxes::Overlapping)),
             Engine::FittedBvh => Self::Metaballs(metaballs(metaballs::Boxes::Disjoint)),
             Engine::Sweep => Self::Sweep(supports::SupportTree::build(field)),
@@ -112,8 +113,4 @@ impl Accel {
             Self::Sweep(tree) => tree.structure_bytes(),
         }
     }
-}
-
-fn particle_tree(field: &crate::field::BlobField) -> particles::ParticleTree {
-    particles::ParticleTree::build(field, particles::Builder::default())
 }

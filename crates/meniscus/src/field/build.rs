@@ -7,9 +7,10 @@ use super::{BlobField, FieldError, FieldReport};
 use crate::particles::Particles;
 use crate::particles::elements::van_der_waals_radius;
 use crate::particles::filter::Filter;
-use crate::particles::spacing::{median_spacing_in, point_tree};
+use crate::particles::spacing::{median_spacing_in, point_tree, typical_spacing_in};
 use crate::scene::surface::{BlobSettings, Weights};
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// Positions, supports and weights beyond this are dropped: f32 has to hold their squares. Supports and
 /// the sizes of weights must also be at least its inverse.
@@ -88,7 +89,11 @@ impl BlobField {
         let own = build.own_supports(&rule, scale)?;
         let positions = build.positions();
         let points = point_tree(&positions);
-        let spacing = median_spacing_in(&points, &positions);
+        let spacing = match rule {
+            Rule::Estimate => median_spacing_in(&points, &positions),
+            // No more than a scale for tolerances.
+            _ => typical_spacing_in(&points, &positions),
+        };
         let (mut supports, order) = match own {
             Some((supports, order)) => (supports, order),
             None => (
@@ -131,9 +136,13 @@ impl<'a> Build<'a> {
         })
     }
 
-    pub(super) fn positions(&self) -> Vec<DVec3> {
+    /// Where the particles that are left stand.
+    pub(super) fn positions(&self) -> Cow<'a, [DVec3]> {
         let positions = &self.particles.positions;
-        self.kept.iter().map(|&i| positions[i as usize]).collect()
+        if self.kept.len() == positions.len() {
+            return Cow::Borrowed(positions);
+        }
+        Cow::Owned(self.kept.iter().map(|&i| positions[i as usize]).collect())
     }
 
     /// Removes the particles for which `keep` is false; an error when none is left.

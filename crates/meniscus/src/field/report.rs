@@ -34,7 +34,7 @@ pub struct FieldReport {
     /// Particles dropped for other reasons; the warnings say which.
     pub dropped: usize,
     /// Median distance of nearest neighbours at a non-zero distance, in the file's unit; `None` when no
-    /// two particles are apart.
+    /// two particles are apart. Of many particles whose supports do not depend on it, that of a part.
     pub spacing: Option<f64>,
     /// Smallest support radius; of ellipsoids the radius of the ball of the same volume.
     pub support_min: f64,

@@ -164,7 +164,7 @@ impl Image {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{ChannelSet, PixelSample, Region};
+    use crate::film::{ChannelSet, Curve, PixelSample, Region};
     use crate::scene::Color;
     use std::sync::Arc;
 
@@ -220,8 +220,11 @@ mod tests {
 
     #[test]
     fn alpha_is_straight_in_png() {
-        let image = ramp(Background::Transparent)
-            .develop(Tone::Linear { exposure: 0.0 }, BitDepth::Sixteen);
+        let linear = Tone {
+            curve: Curve::Linear,
+            ..Tone::default()
+        };
+        let image = ramp(Background::Transparent).develop(linear, BitDepth::Sixteen);
         let Pixels::Sixteen(values) = image.pixels else {
             panic!("16 bits were asked for");
         };

@@ -15,6 +15,7 @@ mod legend;
 mod picture;
 mod region;
 mod tone;
+mod white;
 
 pub use aside::write_aside;
 pub use channel::{
@@ -26,4 +27,5 @@ pub use image::{BitDepth, Image, Pixels};
 pub use legend::Legend;
 pub use picture::{Film, PlaneData};
 pub use region::Region;
-pub use tone::{Tone, filmic, srgb_from_linear};
+pub use tone::{Curve, Tone, filmic, srgb_from_linear};
+pub use white::WhitePoint;

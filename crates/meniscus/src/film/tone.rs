@@ -1,32 +1,35 @@
 //! From linear light to what a screen shows.
 
-/// The tone curve of PNG pictures; EXR files stay linear and unexposed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Tone {
-    /// Exposure, then the filmic curve [`filmic`] on each component.
-    Filmic {
-        /// Exposure in stops: light is multiplied by 2^exposure.
-        exposure: f32,
-    },
-    /// Exposure, then clipping at 1.
-    Linear {
-        /// Exposure in stops.
-        exposure: f32,
-    },
+use super::white::WhitePoint;
+
+/// How light becomes the colours of a PNG picture; EXR files stay linear and untouched.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tone {
+    /// The curve of each component.
+    pub curve: Curve,
+    /// Exposure in stops: light is multiplied by 2^exposure first.
+    pub exposure: f32,
+    /// What counts as white.
+    pub white: WhitePoint,
 }
 
-impl Default for Tone {
-    fn default() -> Self {
-        Self::Filmic { exposure: 0.0 }
-    }
+/// A tone curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Curve {
+    /// [`filmic`].
+    #[default]
+    Filmic,
+    /// Clipping at 1.
+    Linear,
 }
 
 impl Tone {
     /// Display light in 0–1 of scene-linear light.
     pub fn display(self, light: [f32; 3]) -> [f32; 3] {
-        match self {
-            Self::Filmic { exposure } => light.map(|x| filmic(x * exposure.exp2())),
-            Self::Linear { exposure } => light.map(|x| (x * exposure.exp2()).clamp(0.0, 1.0)),
+        let exposed = self.white.balanced(light).map(|x| x * self.exposure.exp2());
+        match self.curve {
+            Curve::Filmic => exposed.map(filmic),
+            Curve::Linear => exposed.map(|x| x.clamp(0.0, 1.0)),
         }
     }
 }

@@ -1,13 +1,16 @@
 //! From a scene and its fields to a frame.
 
-use super::looks::{BaseColor, Coloring, GroundLook, Light, Material};
-use super::{Blobs, Frame, Geometry, Instance, MeshSurface, Plane, Sphere};
+use super::looks::{Absorption, BaseColor, Coloring, GroundLook, Light, Material, Scaling};
+use super::{Blobs, Environment, EnvironmentError, Frame, Geometry, Instance};
+use super::{MeshSurface, Plane, Sphere};
 use crate::accel::Engine;
 use crate::field::{BlobField, FieldAttribute};
 use crate::math::simd::Level;
 use crate::scene::attribute::{AttributeRef, Component, ELEMENT_COLOR, OWN_COLOR};
+use crate::scene::camera::horizontal_axes;
 use crate::scene::{self, EngineSettings, LightKind, Scene, Surface};
 use glam::{DAffine3, DVec3};
+use std::sync::Arc;
 
 /// How a frame's surfaces are traced.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +52,7 @@ pub enum FrameError {
         /// Meshes given.
         given: usize,
     },
-    /// A surface is coloured by an attribute that its field does not carry.
+    /// A surface looks as an attribute says that its field does not carry.
     #[error("there is no attribute `{name}` to colour by; there are: {known}")]
     UnknownAttribute {
         /// The attribute as written.
@@ -75,6 +78,9 @@ pub enum FrameError {
         /// The name.
         name: String,
     },
+    /// An environment image that cannot be used.
+    #[error(transparent)]
+    Environment(#[from] EnvironmentError),
 }
 
 impl Frame {
@@ -118,7 +124,7 @@ impl Frame {
         }
         let up = scene.camera.up.vector();
         let mut frame = Self {
-            lights: resolved_lights(scene, up),
+            lights: resolved_lights(scene, up)?,
             up,
             background: scene.film.background,
             clips: scene.clips.iter().map(clip_plane).collect(),
@@ -150,6 +156,7 @@ impl Frame {
             let material = plain_material(scene, ground.material.as_deref(), ground_material)?;
             frame.add_ground(ground.height, material);
         }
+        frame.set_absorption_depths();
         Ok(frame)
     }
 
@@ -164,11 +171,21 @@ impl Frame {
             None => None,
             Some(color_by) => base_color(color_by, surface, &field)?,
         };
+        let scaling = |by: &Option<String>, range: Option<[f64; 2]>| {
+            by.as_deref()
+                .map(|by| scaling(by, range.unwrap_or([0.0, 1.0]), &field))
+                .transpose()
+        };
+        let roughness_by = scaling(&surface.roughness_by, surface.roughness_range)?;
+        let density = scaling(&surface.absorption_by, surface.absorption_range)?;
         let material_of = |name: Option<&str>| -> Result<Material, FrameError> {
             let mut material = plain_material(scene, name, scene::Material::default)?;
             if let Some(base) = &base {
                 material.base = base.clone();
+                material.absorption.left = material.base.clone();
             }
+            material.roughness_by.clone_from(&roughness_by);
+            material.absorption.density.clone_from(&density);
             Ok(material)
         };
         let placements: Vec<_> = scene
@@ -198,6 +215,21 @@ impl Frame {
         let blobs = Blobs::build_with(field, settings.engine, settings.switches, settings.level);
         self.geometries.push(Geometry::Blobs(Box::new(blobs)));
         Ok(())
+    }
+
+    /// Gives clear materials that state no depth one that suits what the frame shows.
+    fn set_absorption_depths(&mut self) {
+        let size = self.framing_bounds().size().max_element();
+        let depth = if size.is_finite() && size > 0.0 {
+            0.5 * size
+        } else {
+            1.0
+        };
+        for material in &mut self.materials {
+            if material.absorption.depth == 0.0 {
+                material.absorption.depth = depth;
+            }
+        }
     }
 
     fn add_plane(&mut self, point: DVec3, normal: DVec3, material: Material) {
@@ -277,13 +309,24 @@ fn plain_material(
         }
     };
     Ok(Material {
-        base: BaseColor::Constant(material.color.to_f32()),
+        kind: material.kind,
+        base: BaseColor::Constant(material.effective_color().to_f32()),
         specular: material.effective_specular() as f32,
         roughness: material.effective_roughness() as f32,
+        roughness_by: None,
+        ior: material.effective_ior(),
+        absorption: Absorption {
+            left: BaseColor::Constant(material.effective_absorption().to_f32()),
+            // 0 until `Frame::set_absorption_depths`.
+            depth: material.absorption_depth.unwrap_or(0.0),
+            density: None,
+        },
+        priority: material.effective_priority(),
+        translucency: material.effective_translucency() as f32,
     })
 }
 
-fn resolved_lights(scene: &Scene, up: DVec3) -> Vec<Light> {
+fn resolved_lights(scene: &Scene, up: DVec3) -> Result<Vec<Light>, FrameError> {
     let defaults;
     let lights = if scene.lights.is_empty() {
         defaults = scene::Light::defaults(up);
@@ -293,18 +336,49 @@ fn resolved_lights(scene: &Scene, up: DVec3) -> Vec<Light> {
     };
     lights
         .iter()
-        .filter_map(|light| {
+        .map(|light| {
             let color = light.color.unwrap_or(scene::Color::WHITE).0;
             let radiance = color.map(|c| (c * light.intensity) as f32);
-            match light.kind {
-                LightKind::Sun => Some(Light::Sun {
-                    towards: light.direction.unwrap_or(up).normalize_or(up),
+            let center = light.position.unwrap_or(DVec3::ZERO);
+            Ok(match light.kind {
+                LightKind::Sun => {
+                    let angle = light.angle.unwrap_or(scene::Light::DEFAULT_ANGLE);
+                    Light::Sun {
+                        towards: light.direction.unwrap_or(up).normalize_or(up),
+                        radiance,
+                        half_angle: 0.5 * angle.to_radians(),
+                    }
+                }
+                LightKind::Sky => Light::Sky { radiance },
+                LightKind::Constant => Light::Constant { radiance },
+                LightKind::Point => Light::Point {
+                    position: center,
                     radiance,
-                }),
-                LightKind::Sky => Some(Light::Sky { radiance }),
-                // `Scene::validate` refuses them.
-                LightKind::Point | LightKind::Sphere | LightKind::Environment => None,
-            }
+                },
+                LightKind::Sphere => Light::Sphere {
+                    center,
+                    radius: light.radius.unwrap_or(1.0),
+                    radiance,
+                },
+                LightKind::Rectangle => Light::Rectangle {
+                    center,
+                    edges: light.edges.unwrap_or([DVec3::X, DVec3::Y]),
+                    radiance,
+                },
+                LightKind::Environment => {
+                    let [right, back] = horizontal_axes(up);
+                    let path = light.file.clone().unwrap_or_default();
+                    let rotation = light.rotation.unwrap_or(0.0).to_radians();
+                    Light::Environment {
+                        environment: Arc::new(Environment::read(
+                            &path,
+                            [right, up, -back],
+                            rotation,
+                        )?),
+                        scale: radiance,
+                    }
+                }
+            })
         })
         .collect()
 }
@@ -329,10 +403,11 @@ fn base_color(
     Ok(Some(BaseColor::Attribute(Box::new(coloring))))
 }
 
-fn coloring(color_by: &str, surface: &Surface, field: &BlobField) -> Result<Coloring, FrameError> {
+/// The attribute and the number of it that `reference` names.
+fn attribute_number(reference: &str, field: &BlobField) -> Result<(usize, Component), FrameError> {
     let position = |name: &str| field.attributes.iter().position(|a| a.name == name);
     let unknown = || FrameError::UnknownAttribute {
-        name: color_by.to_owned(),
+        name: reference.to_owned(),
         known: field
             .attributes
             .iter()
@@ -341,7 +416,7 @@ fn coloring(color_by: &str, surface: &Surface, field: &BlobField) -> Result<Colo
             .join(", "),
     };
     let found =
-        AttributeRef::parse(color_by, |name| position(name).is_some()).ok_or_else(unknown)?;
+        AttributeRef::parse(reference, |name| position(name).is_some()).ok_or_else(unknown)?;
     let index = position(&found.column).ok_or_else(unknown)?;
     let attribute = &field.attributes[index];
     if let Component::Index(component) = found.component
@@ -350,16 +425,31 @@ fn coloring(color_by: &str, surface: &Surface, field: &BlobField) -> Result<Colo
         return Err(FrameError::NoSuchComponent {
             name: found.column,
             components: attribute.components,
-            written: color_by.to_owned(),
+            written: reference.to_owned(),
         });
     }
+    Ok((index, found.component))
+}
+
+fn scaling(reference: &str, range: [f64; 2], field: &BlobField) -> Result<Scaling, FrameError> {
+    let (attribute, component) = attribute_number(reference, field)?;
+    Ok(Scaling {
+        attribute,
+        component,
+        range: range.map(|end| end as f32),
+    })
+}
+
+fn coloring(color_by: &str, surface: &Surface, field: &BlobField) -> Result<Coloring, FrameError> {
+    let (index, component) = attribute_number(color_by, field)?;
+    let attribute = &field.attributes[index];
     let range = match surface.color_range {
         Some(range) => range.map(|end| end as f32),
-        None => value_range(attribute, found.component),
+        None => value_range(attribute, component),
     };
     Ok(Coloring {
         attribute: index,
-        component: found.component,
+        component,
         range,
         table: surface.color_map.unwrap_or_default().table(),
         label: color_by.to_owned(),

@@ -5,11 +5,13 @@
 
 mod bounds;
 mod build;
+pub mod environment;
 pub mod looks;
 mod solids;
 
 pub use build::{FrameError, FrameSettings};
-pub use looks::{BaseColor, Coloring, GroundLook, Light, Material};
+pub use environment::{Environment, EnvironmentError};
+pub use looks::{Absorption, BaseColor, Coloring, GroundLook, Light, Material, Scaling};
 pub use solids::{MeshSurface, Plane, Sphere};
 
 use crate::accel::supports::SupportTree;

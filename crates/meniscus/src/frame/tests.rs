@@ -184,6 +184,7 @@ fn lights_default_to_a_sun_and_a_sky_and_are_unit_vectors() {
         intensity: 3.0,
         color: Some(Color([1.0, 0.5, 0.0])),
         direction: Some(DVec3::new(0.0, 0.0, 10.0)),
+        angle: Some(90.0),
         ..scene::Light::default()
     }];
     assert_eq!(
@@ -191,6 +192,7 @@ fn lights_default_to_a_sun_and_a_sky_and_are_unit_vectors() {
         [Light::Sun {
             towards: DVec3::Z,
             radiance: [3.0, 1.5, 0.0],
+            half_angle: std::f64::consts::FRAC_PI_4,
         }]
     );
 }

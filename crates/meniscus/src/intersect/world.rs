@@ -66,9 +66,9 @@ impl Frame {
     /// If `hits` is not as long as `rays`.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch) {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
-        hits.fill(None);
         let mut buffers = std::mem::take(&mut scratch.object_rays);
         for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
+            hits.fill(None);
             self.find_spans(rays, &mut buffers);
             for surface in 0..self.instances.len() {
                 self.closest_on(surface, rays, hits, &mut buffers, scratch);
@@ -97,8 +97,10 @@ impl Frame {
         let instance = &self.instances[surface];
         let geometry = &self.geometries[instance.geometry as usize];
         let is_cut = geometry.is_cut() && !self.clips.is_empty();
-        let is_as_given =
-            is_identity(&instance.object_from_world) && hits.iter().all(Option::is_none) && !is_cut;
+        let is_as_given = is_identity(&instance.object_from_world)
+            && hits.iter().all(Option::is_none)
+            && states_side_of(rays, surface as u32)
+            && !is_cut;
         let moved = if is_as_given {
             rays
         } else {
@@ -106,8 +108,9 @@ impl Frame {
             buffers.capped.clear();
             for (index, (ray, hit)) in rays.iter().zip(&mut *hits).enumerate() {
                 let nearest = hit.map_or(ray.t_max, |hit| hit.t);
-                let mut moved =
-                    transformed(ray, &instance.object_from_world).with_range(ray.t_min, nearest);
+                let mut moved = transformed(ray, &instance.object_from_world)
+                    .with_range(ray.t_min, nearest)
+                    .with_side(ray.side_towards(surface as u32));
                 let mut cap = None;
                 if is_cut {
                     (moved, cap) = cut(geometry, moved, &buffers.spans[index], scratch);
@@ -226,12 +229,12 @@ impl Frame {
     /// If `hits` is not as long as `rays`.
     pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch) {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
-        hits.fill(false);
         let mut buffers = std::mem::take(&mut scratch.object_rays);
         for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
+            hits.fill(false);
             self.find_spans(rays, &mut buffers);
-            for instance in &self.instances {
-                self.any_on(instance, rays, hits, &mut buffers, scratch);
+            for surface in 0..self.instances.len() {
+                self.any_on(surface, rays, hits, &mut buffers, scratch);
             }
         }
         scratch.object_rays = buffers;
@@ -239,20 +242,25 @@ impl Frame {
 
     fn any_on(
         &self,
-        instance: &Instance,
+        surface: usize,
         rays: &[Ray],
         hits: &mut [bool],
         buffers: &mut ObjectRays,
         scratch: &mut Scratch,
     ) {
+        let instance = &self.instances[surface];
         let geometry = &self.geometries[instance.geometry as usize];
         let is_cut = geometry.is_cut() && !self.clips.is_empty();
-        let moved = if is_identity(&instance.object_from_world) && !is_cut {
+        let is_as_given = is_identity(&instance.object_from_world)
+            && states_side_of(rays, surface as u32)
+            && !is_cut;
+        let moved = if is_as_given {
             rays
         } else {
             buffers.rays.clear();
             for (index, (ray, hit)) in rays.iter().zip(&mut *hits).enumerate() {
-                let mut moved = transformed(ray, &instance.object_from_world);
+                let mut moved = transformed(ray, &instance.object_from_world)
+                    .with_side(ray.side_towards(surface as u32));
                 if is_cut && !*hit {
                     let cap;
                     (moved, cap) = cut(geometry, moved, &buffers.spans[index], scratch);
@@ -361,15 +369,23 @@ impl Frame {
         crossings[first..].sort_by(|a, b| a.t.total_cmp(&b.t));
     }
 
+    /// On which side of surface `surface` a world point lies; what is cut away is outside.
+    pub fn side(&self, surface: u32, point: DVec3, scratch: &mut Scratch) -> Side {
+        let instance = &self.instances[surface as usize];
+        let geometry = &self.geometries[instance.geometry as usize];
+        if geometry.is_cut() && self.clips.iter().any(|plane| plane.height(point) > 0.0) {
+            return Side::Outside;
+        }
+        geometry.side(instance.object_from_world.transform_point3(point), scratch)
+    }
+
     /// Whether a ray's point at `t_min` lies inside a blob surface, a closed mesh or a sphere, and is
     /// not cut away.
     pub fn starts_inside(&self, ray: &Ray, scratch: &mut Scratch) -> bool {
         let start = ray.at(ray.t_min);
-        let is_kept = self.clips.iter().all(|plane| plane.height(start) <= 0.0);
-        self.instances.iter().any(|instance| {
-            let geometry = &self.geometries[instance.geometry as usize];
-            let point = instance.object_from_world.transform_point3(start);
-            geometry.is_cut() && is_kept && geometry.side(point, scratch) == Side::Inside
+        (0_u32..).zip(&self.instances).any(|(surface, instance)| {
+            self.geometries[instance.geometry as usize].is_cut()
+                && self.side(surface, start, scratch) == Side::Inside
         })
     }
 }
@@ -443,6 +459,11 @@ fn plane_error(instance: &Instance, moved: &Ray, plane: &Plane) -> f64 {
 /// The point of a plane below or above `point`.
 fn on_plane(plane: &Plane, point: DVec3) -> DVec3 {
     point - plane.normal * plane.height(point)
+}
+
+/// Whether what the rays state about sides holds for `surface` as it stands.
+fn states_side_of(rays: &[Ray], surface: u32) -> bool {
+    rays.iter().all(|ray| ray.side_towards(surface) == ray.side)
 }
 
 fn is_identity(object_from_world: &DAffine3) -> bool {

@@ -51,6 +51,9 @@ pub struct Ray {
     /// Side of the surface at `t_min`, when the caller knows it. A ray that leaves a surface must
     /// state it: that is what keeps it from hitting its own start.
     pub side: Side,
+    /// The surface that `side` is about, as an index into the frame's instances; the side of all
+    /// others is unknown then. `None`: it is about every surface.
+    pub side_of: Option<u32>,
     /// Footprint of a pixel, for those who filter.
     pub differential: Option<RayDifferential>,
 }
@@ -65,6 +68,7 @@ impl Ray {
             t_max: f64::INFINITY,
             time: 0.0,
             side: Side::Unknown,
+            side_of: None,
             differential: None,
         }
     }
@@ -83,6 +87,14 @@ impl Ray {
     #[must_use]
     pub fn with_side(self, side: Side) -> Self {
         Self { side, ..self }
+    }
+
+    /// The side of surface `surface` at `t_min`, as far as it is stated.
+    pub fn side_towards(&self, surface: u32) -> Side {
+        match self.side_of {
+            Some(about) if about != surface => Side::Unknown,
+            _ => self.side,
+        }
     }
 
     /// The point at `t`.

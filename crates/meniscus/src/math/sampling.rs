@@ -31,6 +31,12 @@ impl PixelSampler {
         }
     }
 
+    /// The next draw is number `draw` (from 0), whatever came before: so the same decision has the
+    /// same stratified numbers in all samples of a pixel.
+    pub fn skip_to(&mut self, draw: u32) {
+        self.drawn = draw;
+    }
+
     /// The next number in [0, 1).
     pub fn next_1d(&mut self) -> f64 {
         let seed = self.next_seed();
@@ -41,6 +47,23 @@ impl PixelSampler {
     pub fn next_2d(&mut self) -> [f64; 2] {
         let seed = self.next_seed();
         [0, 1].map(|axis| f64::from(sobol_burley::sample(self.index, axis, seed)))
+    }
+
+    /// The next `count` points in [0, 1)², stratified among themselves and with those of the pixel's
+    /// other samples.
+    pub fn next_2d_of(&mut self, count: u32) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let seed = self.next_seed();
+        let first = u64::from(self.index) * u64::from(count);
+        (first..first + u64::from(count)).map(move |index| {
+            let series = index / u64::from(SEQUENCE_LENGTH);
+            let index = (index % u64::from(SEQUENCE_LENGTH)) as u32;
+            let seed = if series == 0 {
+                seed
+            } else {
+                mix(u64::from(seed) ^ series << 32) as u32
+            };
+            [0, 1].map(|axis| f64::from(sobol_burley::sample(index, axis, seed)))
+        })
     }
 
     /// Each draw is a Sobol sequence of its own, scrambled by its own seed ("padding").
@@ -57,6 +80,70 @@ fn mix(bits: u64) -> u64 {
     let bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     bits ^ (bits >> 31)
+}
+
+/// Draws one of several things by weight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Distribution {
+    /// Sums of the weights up to and including each.
+    sums: Vec<f64>,
+}
+
+impl Distribution {
+    /// Of these weights, none negative.
+    pub fn new(weights: impl Iterator<Item = f64>) -> Self {
+        let mut sum = 0.0;
+        let sums = weights.map(|weight| {
+            sum += weight;
+            sum
+        });
+        Self {
+            sums: sums.collect(),
+        }
+    }
+
+    /// Sum of all weights.
+    pub fn total(&self) -> f64 {
+        self.sums.last().copied().unwrap_or(0.0)
+    }
+
+    /// The probability of `index`.
+    pub fn part(&self, index: usize) -> f64 {
+        let total = self.total();
+        if total > 0.0 {
+            self.weight(index) / total
+        } else {
+            0.0
+        }
+    }
+
+    fn weight(&self, index: usize) -> f64 {
+        let before = if index == 0 {
+            0.0
+        } else {
+            self.sums[index - 1]
+        };
+        self.sums[index] - before
+    }
+
+    /// What `u` in [0, 1) draws, how far `u` lies through its share (again in [0, 1)), and its
+    /// probability; `None` if all weights are 0.
+    pub fn sample(&self, u: f64) -> Option<(usize, f64, f64)> {
+        let total = self.total();
+        if !(total > 0.0 && total.is_finite()) {
+            return None;
+        }
+        let wanted = u * total;
+        let mut index = self.sums.partition_point(|&sum| sum <= wanted);
+        if index == self.sums.len() {
+            // Rounding went past the end: the last thing with a weight.
+            index = self.sums.partition_point(|&sum| sum < total);
+        }
+        let weight = self.weight(index);
+        let before = self.sums[index] - weight;
+        let through = ((wanted - before) / weight).clamp(0.0, 1.0 - f64::EPSILON);
+        Some((index, through, weight / total))
+    }
 }
 
 /// A point in the unit disk, uniform by area and continuous in `u` (Shirley & Chiu 1997).

@@ -16,8 +16,9 @@ use std::ops::Range;
 const LEAF_SIZE: usize = 16;
 /// Below this many items a subtree is built by one thread.
 const SEQUENTIAL: usize = 1 << 14;
-/// Bits per axis of a Morton code.
-const MORTON_BITS: u32 = morton::MAX_BITS;
+/// Bits per axis of a Morton code: with an item's index it fills 64 bits, and a cell that still holds
+/// many items gets a curve of its own.
+const MORTON_BITS: u32 = 10;
 
 #[derive(Debug, Clone, Copy)]
 struct Node {
@@ -214,24 +215,23 @@ fn subtree(
             }
         })
         .reduce(|| DAabb::EMPTY, DAabb::union);
-    let mut coded: Vec<(u64, u32)> = items
+    let mut coded: Vec<u64> = items
         .par_iter()
         .with_min_len(SEQUENTIAL)
-        .map(|&item| (morton(center(&bounds(item as usize)), &centers), item))
+        .map(|&item| morton(center(&bounds(item as usize)), &centers) << 32 | u64::from(item))
         .collect();
     if coded.len() > SEQUENTIAL {
         coded.par_sort_unstable();
     } else {
         coded.sort_unstable();
     }
-    for (item, (_, sorted)) in items.iter_mut().zip(&coded) {
-        *item = *sorted;
+    for (item, sorted) in items.iter_mut().zip(&coded) {
+        *item = *sorted as u32;
     }
-    let codes: Vec<u64> = coded.into_iter().map(|(code, _)| code).collect();
-    split(items, &codes, first, bounds, nodes);
+    split(items, &coded, first, bounds, nodes);
 }
 
-/// Appends the nodes over items that stand in the order of their codes.
+/// Appends the nodes over items that stand in the order of `codes`, each a Morton code above its item.
 fn split(
     items: &mut [u32],
     codes: &[u64],
@@ -244,7 +244,7 @@ fn split(
         nodes.push(leaf(items, first, bounds));
         return;
     }
-    let differing = codes[0] ^ codes[count - 1];
+    let differing = (codes[0] ^ codes[count - 1]) >> 32;
     let middle = if differing == 0 {
         let place = |item: u32| center(&bounds(item as usize));
         let start = place(items[0]);
@@ -255,7 +255,7 @@ fn split(
         }
         count / 2
     } else {
-        let bit = 1_u64 << differing.ilog2();
+        let bit = 1_u64 << (32 + differing.ilog2());
         codes.partition_point(|code| code & bit == 0)
     };
     let root = nodes.len();

@@ -1,17 +1,19 @@
 //! The CPU backend: tiles on a rayon pool.
 
+use super::noise::{SURE_SAMPLES, TileNoise};
 use super::{Backend, Progress, RenderError, RenderSettings, RenderState, RenderStats};
 use crate::film::{Film, NO_INDEX, PixelSample, Region, SurfaceSample};
+use crate::frame::environment::luminance;
 use crate::frame::{Frame, Geometry};
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::{PixelFilter, PixelSampler};
-use crate::scene::IntegratorKind;
 use crate::scene::camera::Camera;
-use crate::shade::{Seen, ShadeScratch, Shader};
+use crate::shade::{Seen, ShadeScratch, ShadeSettings, Shader};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Side of a tile in pixels: large enough for rays to find their neighbours' data in the cache, small
 /// enough to keep many threads busy to the end.
@@ -67,11 +69,6 @@ impl<'a> Job<'a> {
         camera: &'a Camera,
         settings: &'a RenderSettings,
     ) -> Result<Self, RenderError> {
-        if settings.integrator != IntegratorKind::Shaded {
-            return Err(RenderError::Integrator {
-                name: settings.integrator.name(),
-            });
-        }
         let samples = settings.samples.clone().unwrap_or(0..settings.spp);
         if samples.is_empty() || samples.end > settings.spp {
             return Err(RenderError::Samples {
@@ -88,8 +85,13 @@ impl<'a> Job<'a> {
             samples,
             shader: Shader::new(
                 frame,
-                settings.background,
-                !settings.channels.attributes().is_empty(),
+                &ShadeSettings {
+                    integrator: settings.integrator.clone(),
+                    background: settings.background,
+                    with_attributes: !settings.channels.attributes().is_empty(),
+                    spp: settings.spp,
+                    eye: camera.eye,
+                },
             ),
             filter: PixelFilter::default(),
             eye_side: eye_side(frame, camera),
@@ -114,14 +116,20 @@ impl<'a> Job<'a> {
         let total = self.region.pixels() * self.samples.len() as u64;
         // Merging is exact in any order, so tiles merge as they come.
         let whole = Mutex::new((self.film(self.region)?, RenderStats::default()));
-        self.region
-            .tiles(TILE_SIDE)
-            .into_par_iter()
-            .try_for_each_init(
+        let tiles = self.region.tiles(TILE_SIDE).into_iter();
+        let mut tiles: Vec<Tile> = tiles.map(Tile::new).collect();
+        let mut done = self.samples.start;
+        while done < self.samples.end && !tiles.is_empty() {
+            let spent = start.elapsed();
+            let pass = done..done + self.pass_length(done, spent);
+            if pass.is_empty() {
+                break;
+            }
+            tiles.par_iter_mut().try_for_each_init(
                 || state.borrow(),
                 |loan, tile| {
                     let scratch = &mut loan.scratch;
-                    let film = self.tile(tile, scratch, progress)?;
+                    let film = self.tile(tile, pass.clone(), scratch, progress)?;
                     let stats = RenderStats {
                         rays: std::mem::take(&mut scratch.rays),
                         counters: std::mem::take(&mut scratch.trace.counters),
@@ -131,10 +139,19 @@ impl<'a> Job<'a> {
                     whole.0.merge(&film)?;
                     whole.1.add(&stats);
                     drop(whole);
-                    progress.advance(tile.pixels() * self.samples.len() as u64, total);
+                    let skipped = if self.is_smooth(tile) {
+                        self.samples.end - pass.end
+                    } else {
+                        0
+                    };
+                    let samples = pass.len() as u64 + u64::from(skipped);
+                    progress.advance(tile.region.pixels() * samples, total);
                     Ok::<(), RenderError>(())
                 },
             )?;
+            tiles.retain(|tile| !self.is_smooth(tile));
+            done = pass.end;
+        }
         let (film, stats) = whole.into_inner().unwrap_or_else(PoisonError::into_inner);
         let stats = RenderStats {
             threads: rayon::current_num_threads(),
@@ -144,33 +161,70 @@ impl<'a> Job<'a> {
         Ok((film, stats))
     }
 
+    /// Samples of the next pass, after `done` samples took `spent`: all that are left, unless they
+    /// have to stop early. Then passes double the samples, so that each ends on a stratified pattern,
+    /// and a last one takes what time is left for. 0: no time is left.
+    fn pass_length(&self, done: u32, spent: Duration) -> u32 {
+        let left = self.samples.end - done;
+        let so_far = done - self.samples.start;
+        let mut length = left;
+        if self.settings.noise.is_some() {
+            length = length.min(so_far.max(SURE_SAMPLES));
+        }
+        if let Some(limit) = self.settings.time_limit {
+            if so_far == 0 {
+                return 1;
+            }
+            let per_sample = spent.as_secs_f64() / f64::from(so_far);
+            let fitting = limit.saturating_sub(spent).as_secs_f64() / per_sample;
+            length = length.min(so_far).min(fitting as u32);
+        }
+        length
+    }
+
+    /// Whether a tile has no more noise than was asked for.
+    fn is_smooth(&self, tile: &Tile) -> bool {
+        self.settings
+            .noise
+            .is_some_and(|target| tile.noise.relative() <= target)
+    }
+
     fn tile(
         &self,
-        tile: Region,
+        tile: &mut Tile,
+        samples: Range<u32>,
         scratch: &mut ShadeScratch,
         progress: &Progress<'_>,
     ) -> Result<Film, RenderError> {
-        let mut film = self.film(tile)?;
-        for y in tile.y..tile.y + tile.height {
+        let region = tile.region;
+        let mut film = self.film(region)?;
+        let mut pixel = 0;
+        for y in region.y..region.y + region.height {
             if progress.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            for x in tile.x..tile.x + tile.width {
-                for sample in self.samples.clone() {
-                    self.add_sample(&mut film, [x, y], sample, scratch);
+            for x in region.x..region.x + region.width {
+                for sample in samples.clone() {
+                    let luminance = self.add_sample(&mut film, [x, y], sample, scratch);
+                    if self.settings.noise.is_some() {
+                        tile.noise.add(pixel, luminance);
+                    }
                 }
+                pixel += 1;
             }
         }
+        tile.noise.counted(samples.len() as u32);
         Ok(film)
     }
 
+    /// Adds one sample of one pixel; its luminance.
     fn add_sample(
         &self,
         film: &mut Film,
         [x, y]: [u32; 2],
         sample: u32,
         scratch: &mut ShadeScratch,
-    ) {
+    ) -> f64 {
         let mut sampler = PixelSampler::new([x, y], sample, self.settings.seed);
         let position = self
             .filter
@@ -179,7 +233,7 @@ impl<'a> Job<'a> {
             side: self.eye_side,
             ..self.camera.ray(position)
         };
-        let seen = self.shader.sample(&ray, scratch);
+        let seen = self.shader.sample(&ray, &mut sampler, scratch);
         let offset = [
             position[0] - f64::from(x) - 0.5,
             position[1] - f64::from(y) - 0.5,
@@ -193,6 +247,7 @@ impl<'a> Job<'a> {
             attributes: scratch.attributes(),
         };
         film.add(x, y, sample, offset, &sample_seen);
+        luminance(Vec3::from_array(seen.radiance))
     }
 
     fn surface_sample(&self, seen: &Seen) -> Option<SurfaceSample> {
@@ -204,6 +259,21 @@ impl<'a> Job<'a> {
             id: seen.row.unwrap_or(NO_INDEX),
             surface: hit.surface,
         })
+    }
+}
+
+/// A tile and what is known of its noise.
+struct Tile {
+    region: Region,
+    noise: TileNoise,
+}
+
+impl Tile {
+    fn new(region: Region) -> Self {
+        Self {
+            region,
+            noise: TileNoise::default(),
+        }
     }
 }
 

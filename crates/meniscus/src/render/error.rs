@@ -19,12 +19,6 @@ pub enum RenderError {
         /// Samples per pixel.
         spp: u32,
     },
-    /// This way of gathering light does not exist here yet.
-    #[error("the integrator '{name}' cannot be rendered by this version; use shaded")]
-    Integrator {
-        /// Its name.
-        name: &'static str,
-    },
     /// The threads could not be started.
     #[error("cannot start {threads} threads: {message}")]
     Threads {

@@ -5,6 +5,7 @@
 
 mod cpu;
 mod error;
+mod noise;
 mod progress;
 mod settings;
 mod state;

@@ -2,10 +2,11 @@
 
 use crate::film::{ChannelSet, Region};
 use crate::intersect::Counters;
-use crate::scene::{Background, IntegratorKind};
+use crate::scene::{Background, IntegratorSettings};
 use crate::shade::RayCounts;
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// What to render; the picture's size is the camera's.
 #[derive(Debug, Clone)]
@@ -23,7 +24,13 @@ pub struct RenderSettings {
     /// What stands behind the surfaces.
     pub background: Background,
     /// How light is gathered.
-    pub integrator: IntegratorKind,
+    pub integrator: IntegratorSettings,
+    /// Adaptive sampling: relative noise at which a tile is done, see
+    /// [`crate::scene::FilmSettings::noise`]. `spp` is the most then, and tiles are cut from the
+    /// region, so the picture depends on it.
+    pub noise: Option<f64>,
+    /// Stops adding samples when this much time is over; every pixel gets at least one.
+    pub time_limit: Option<Duration>,
     /// Threads; `None`: as many as the global pool has.
     pub threads: Option<usize>,
 }
@@ -38,7 +45,9 @@ impl Default for RenderSettings {
             seed: 0,
             channels: Arc::new(ChannelSet::default()),
             background: Background::Sky,
-            integrator: IntegratorKind::Shaded,
+            integrator: IntegratorSettings::default(),
+            noise: None,
+            time_limit: None,
             threads: None,
         }
     }

@@ -28,6 +28,17 @@ pub enum Clipping {
     Kanamori,
 }
 
+/// How engines `particles` and `interval` group particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Builder {
+    /// By the surface area heuristic: the faster rays.
+    #[default]
+    Sah,
+    /// Along a Morton curve: the faster build.
+    Morton,
+}
+
 /// `[engine]`. Each key concerns the engines that its description names; others ignore it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -43,6 +54,8 @@ pub struct EngineSettings {
     pub discard: bool,
     /// `sweep`: `own`, `nishita` or `kanamori`.
     pub clipping: Clipping,
+    /// `particles`, `interval`: `sah` or `morton`.
+    pub builder: Builder,
 }
 
 impl Default for EngineSettings {
@@ -53,6 +66,7 @@ impl Default for EngineSettings {
             rmax_boxes: true,
             discard: true,
             clipping: Clipping::default(),
+            builder: Builder::default(),
         }
     }
 }

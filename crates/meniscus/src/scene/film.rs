@@ -24,6 +24,14 @@ pub struct FilmSettings {
     pub spp: u32,
     /// Exposure in stops: radiance is multiplied by 2^exposure before the tone curve.
     pub exposure: f64,
+    /// What light counts as white; unset, that of the screen (D65, 6504 K).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub white_balance: Option<WhiteBalance>,
+    /// Adaptive sampling: the noise at which a part of the picture is done, as the standard error of
+    /// its pixels relative to their brightness (plus a twentieth of white). `spp` is the most that a
+    /// pixel gets then; unset, every pixel gets `spp`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<f64>,
     /// What is behind the surfaces; unset, PNG shows the sky and EXR is transparent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
@@ -36,10 +44,29 @@ impl Default for FilmSettings {
             height: 720,
             spp: 16,
             exposure: 0.0,
+            white_balance: None,
+            noise: None,
             background: None,
         }
     }
 }
+
+/// The light that a developed picture shows as white: a colour temperature in kelvin (a number) or a
+/// colour.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum WhiteBalance {
+    /// Daylight or incandescent light of this correlated colour temperature, [`MIN_KELVIN`] to
+    /// [`MAX_KELVIN`].
+    Kelvin(f64),
+    /// A colour; its brightness does not matter.
+    Color(Color),
+}
+
+/// Lowest colour temperature of [`WhiteBalance::Kelvin`].
+pub const MIN_KELVIN: f64 = 1667.0;
+/// Highest colour temperature of [`WhiteBalance::Kelvin`].
+pub const MAX_KELVIN: f64 = 25_000.0;
 
 /// What a ray that hits nothing sees.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -35,22 +35,51 @@ impl IntegratorKind {
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
-
-    /// Whether this version can render with it.
-    pub fn is_supported(self) -> bool {
-        matches!(self, Self::Shaded)
-    }
 }
 
 /// `[integrator]`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct IntegratorSettings {
     /// The way light is gathered.
     #[serde(rename = "type")]
     pub kind: IntegratorKind,
-    /// Longest path in surfaces met, at least 1; `shaded` never needs more than 1.
+    /// Longest path in surfaces met, at least 1: `path` counts every bounce, `whitted` the levels of
+    /// its tree; `shaded` and `ao` never need more than 1.
     pub depth: u32,
+    /// `path`: most diffuse bounces among them; unset, `depth` alone counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffuse_depth: Option<u32>,
+    /// `path`: most reflections, mirrored or glossy.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub glossy_depth: Option<u32>,
+    /// `path`: most passages through surfaces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmission_depth: Option<u32>,
+    /// `ao`: rays per camera sample, 1 to [`MAX_AO_SAMPLES`]; unset, as many as make 64 per pixel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<u32>,
+    /// `ao`: how far occluders count, in the scene's unit; unset, any distance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance: Option<f64>,
+    /// `path`: largest radiance (of any component) that one light path may add behind its first
+    /// surface. It takes fireflies away and energy with them; unset, nothing is clamped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clamp: Option<f64>,
+    /// `path`: whether lights reach rough surfaces through and over clear ones as they do in nature,
+    /// bent into caustics, which takes many samples where lights are small. If false, suns, lamps
+    /// and environment images shine straight through clear surfaces onto rough ones, weakened but not
+    /// bent, and what rough surfaces see of mirrors and metals is blurred.
+    #[serde(skip_serializing_if = "is_true")]
+    pub caustics: bool,
+}
+
+/// Most rays of `ao` per camera sample.
+pub const MAX_AO_SAMPLES: u32 = 65_536;
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde wants a reference
+fn is_true(value: &bool) -> bool {
+    *value
 }
 
 impl Default for IntegratorSettings {
@@ -58,6 +87,23 @@ impl Default for IntegratorSettings {
         Self {
             kind: IntegratorKind::default(),
             depth: 8,
+            diffuse_depth: None,
+            glossy_depth: None,
+            transmission_depth: None,
+            samples: None,
+            distance: None,
+            clamp: None,
+            caustics: true,
         }
+    }
+}
+
+impl IntegratorSettings {
+    /// Rays of `ao` for each of `spp` camera samples of a pixel.
+    pub fn ao_samples(&self, spp: u32) -> u32 {
+        const PER_PIXEL: u32 = 64;
+        self.samples
+            .unwrap_or_else(|| PER_PIXEL.div_ceil(spp.max(1)))
+            .max(1)
     }
 }

@@ -10,15 +10,19 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LightKind {
-    /// Parallel light from `direction`.
+    /// Light from a small disk in `direction`.
     #[default]
     Sun,
-    /// Soft light from everywhere above.
+    /// Soft light from everywhere above, paler towards the horizon.
     Sky,
+    /// The same light from every direction.
+    Constant,
     /// A point at `position`.
     Point,
     /// A ball at `position` of `radius`.
     Sphere,
+    /// A rectangle at `position` with `edges`.
+    Rectangle,
     /// An environment image from `file`.
     Environment,
 }
@@ -29,15 +33,12 @@ impl LightKind {
         match self {
             Self::Sun => "sun",
             Self::Sky => "sky",
+            Self::Constant => "constant",
             Self::Point => "point",
             Self::Sphere => "sphere",
+            Self::Rectangle => "rectangle",
             Self::Environment => "environment",
         }
-    }
-
-    /// Whether this version can render it.
-    pub fn is_supported(self) -> bool {
-        matches!(self, Self::Sun | Self::Sky)
     }
 }
 
@@ -51,21 +52,33 @@ pub struct Light {
     /// Sun: world direction from the scene towards the light, any length but 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<DVec3>,
-    /// Point and sphere: world position.
+    /// Sun: apparent diameter in degrees, 0 (hard shadows) to below 180; unset, that of our sun.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<f64>,
+    /// Point, sphere, rectangle: world position of the centre.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<DVec3>,
     /// Sphere: radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius: Option<f64>,
+    /// Rectangle: its two edges, world vectors of full length. It shines towards first × second.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edges: Option<[DVec3; 2]>,
     /// Colour, multiplied by `intensity`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<Color>,
-    /// Strength ≥ 0. Sun: a white diffuse surface that faces it has radiance `intensity`. Sky: the
-    /// mean radiance of the upper half.
+    /// Strength ≥ 0. Sun: a white diffuse surface that faces it has radiance `intensity`; point: so
+    /// at distance 1. Sky: the mean radiance of the upper half. Constant, sphere, rectangle: the
+    /// radiance itself. Environment: the image is multiplied by it.
     pub intensity: f64,
-    /// Environment: image file.
+    /// Environment: image file (.hdr or .exr), twice as wide as high: latitude and longitude, its
+    /// middle towards the direction that `rotation` turns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
+    /// Environment: degrees by which it is turned around the world's up direction, counterclockwise
+    /// seen from above.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<f64>,
 }
 
 impl Default for Light {
@@ -73,16 +86,22 @@ impl Default for Light {
         Self {
             kind: LightKind::Sun,
             direction: None,
+            angle: None,
             position: None,
             radius: None,
+            edges: None,
             color: None,
             intensity: 1.0,
             file: None,
+            rotation: None,
         }
     }
 }
 
 impl Light {
+    /// The mean apparent diameter of our sun, in degrees.
+    pub const DEFAULT_ANGLE: f64 = 0.533;
+
     /// A sun; `towards` points from the scene to it.
     pub fn sun(towards: DVec3) -> Self {
         Self {

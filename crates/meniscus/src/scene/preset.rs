@@ -3,7 +3,7 @@
 
 use super::attribute::ELEMENT_COLOR;
 use super::surface::BlobSettings;
-use super::{Color, Material, MaterialKind, Scene, Weights};
+use super::{Color, IntegratorKind, IntegratorSettings, Material, MaterialKind, Scene, Weights};
 use crate::kernel::Kernel;
 
 /// A look and settings under one name.
@@ -19,48 +19,92 @@ pub struct Preset {
     pub field: Option<(Kernel, f64, Weights)>,
     /// Samples per pixel, where the preset is about speed.
     pub spp: Option<u32>,
+    /// Exposure in stops, where the scene states none.
+    pub exposure: Option<f64>,
+    /// Whether the material is nothing without light that goes on behind the first surface.
+    pub is_path_traced: bool,
 }
 
 impl Preset {
     /// Every preset.
-    ///
-    /// `water` is an opaque glossy blue: the integrator `shaded` does not follow light through a
-    /// surface.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 7] = [
         Self {
             name: "water",
-            about: "a glossy blue liquid",
-            material: glossy([0.045, 0.23, 0.42], 1.0, 0.12),
-            field: None,
-            spp: None,
+            about: "clear water",
+            material: Material {
+                absorption: Some(Color([0.13, 0.58, 0.72])),
+                ..Material::of(MaterialKind::Water, None)
+            },
+            is_path_traced: true,
+            ..Self::PLAIN
+        },
+        Self {
+            name: "milk",
+            about: "a white liquid with a soft shine",
+            // Index of milk: Jääskeläinen et al., Journal of Dairy Science 84(1), 2001.
+            material: Material {
+                ior: Some(1.35),
+                roughness: Some(0.1),
+                ..Material::of(MaterialKind::Plastic, Some(Color([0.86, 0.83, 0.76])))
+            },
+            exposure: Some(-0.8),
+            is_path_traced: true,
+            ..Self::PLAIN
+        },
+        Self {
+            name: "honey",
+            about: "amber, clear where it is thin",
+            // Index of honey with 17 % water: Codex Alimentarius 12-1981, refractometry.
+            material: Material {
+                ior: Some(1.494),
+                absorption: Some(Color([0.55, 0.06, 0.0005])),
+                ..Material::of(MaterialKind::Dielectric, Some(Color([0.55, 0.22, 0.02])))
+            },
+            is_path_traced: true,
+            ..Self::PLAIN
+        },
+        Self {
+            name: "mercury",
+            about: "liquid metal",
+            // Reflectance at 450 to 650 nm: Inagaki, Arakawa & Williams, Physical Review B 23, 1981.
+            material: Material {
+                roughness: Some(0.0),
+                ..Material::of(MaterialKind::Metal, Some(Color([0.781, 0.780, 0.778])))
+            },
+            is_path_traced: true,
+            ..Self::PLAIN
         },
         Self {
             name: "molecule",
             about: "unit weights, quartic kernel, T = 0.2, a satin surface in the colours of the elements",
-            material: glossy([0.60, 0.66, 0.72], 0.7, 0.4),
+            material: Material::glossy(Color([0.60, 0.66, 0.72]), 0.7, 0.4),
             field: Some((Kernel::Quartic, 0.2, Weights::Unit)),
-            spp: None,
+            ..Self::PLAIN
         },
         Self {
             name: "clay",
             about: "matt terracotta that shows the shape alone",
-            material: Material {
-                kind: MaterialKind::Diffuse,
-                color: Color([0.50, 0.26, 0.17]),
-                specular: None,
-                roughness: None,
-            },
-            field: None,
-            spp: None,
+            material: Material::diffuse(Color([0.50, 0.26, 0.17])),
+            ..Self::PLAIN
         },
         Self {
             name: "preview",
             about: "one sample per pixel, neutral gray",
-            material: glossy([0.62, 0.64, 0.66], 1.0, 0.35),
-            field: None,
+            material: Material::glossy(Color([0.62, 0.64, 0.66]), 1.0, 0.35),
             spp: Some(1),
+            ..Self::PLAIN
         },
     ];
+
+    const PLAIN: Self = Self {
+        name: "",
+        about: "",
+        material: Material::of(MaterialKind::Glossy, None),
+        field: None,
+        spp: None,
+        exposure: None,
+        is_path_traced: false,
+    };
 
     /// The preset of that name.
     pub fn from_name(name: &str) -> Option<Self> {
@@ -69,14 +113,17 @@ impl Preset {
 
     /// Applies the preset to what `scene` leaves open: surfaces without a material get the preset's
     /// (under the preset's name), unset kernels, thresholds and weights get its own. The samples per
-    /// pixel are replaced.
+    /// pixel are replaced, and where the preset's material is used and needs it, integrator `shaded`
+    /// gives way to `path` without caustics.
     pub fn apply(&self, scene: &mut Scene) {
+        let mut is_used = false;
         for surface in &mut scene.surfaces {
             if self.name == "molecule" {
                 surface.color_by.get_or_insert(ELEMENT_COLOR.to_owned());
             }
             if surface.material.is_none() {
                 surface.material = Some(self.name.to_owned());
+                is_used = true;
                 scene
                     .materials
                     .entry(self.name.to_owned())
@@ -91,6 +138,20 @@ impl Preset {
         if let Some(spp) = self.spp {
             scene.film.spp = spp;
         }
+        if let Some(exposure) = self.exposure
+            && is_used
+            && scene.film.exposure == 0.0
+        {
+            scene.film.exposure = exposure;
+        }
+        if self.is_path_traced && is_used && scene.integrator.kind == IntegratorKind::Shaded {
+            scene.integrator = IntegratorSettings {
+                kind: IntegratorKind::Path,
+                depth: scene.integrator.depth.max(12),
+                caustics: false,
+                ..scene.integrator.clone()
+            };
+        }
     }
 
     /// The settings that a surface of this preset has where it sets nothing itself.
@@ -102,15 +163,6 @@ impl Preset {
             settings.weights = weights.clone();
         }
         settings
-    }
-}
-
-const fn glossy(color: [f64; 3], specular: f64, roughness: f64) -> Material {
-    Material {
-        kind: MaterialKind::Glossy,
-        color: Color(color),
-        specular: Some(specular),
-        roughness: Some(roughness),
     }
 }
 
@@ -151,11 +203,31 @@ mod tests {
     }
 
     #[test]
-    fn every_preset_can_be_rendered_and_found() {
+    fn every_preset_makes_a_sound_scene_and_is_found() {
         for preset in Preset::ALL {
-            assert!(preset.material.kind.is_supported(), "{}", preset.name);
+            let mut scene = Scene {
+                surfaces: vec![Surface::from_file("a")],
+                ..Scene::default()
+            };
+            preset.apply(&mut scene);
+            assert_eq!(scene.validate(), Ok(()), "{}", preset.name);
+            let traced = scene.integrator.kind == IntegratorKind::Path;
+            assert_eq!(traced, preset.is_path_traced);
             assert_eq!(Preset::from_name(preset.name).as_ref(), Some(&preset));
         }
         assert_eq!(Preset::from_name("lava"), None);
+    }
+
+    #[test]
+    fn a_preset_that_colours_nothing_leaves_the_integrator() {
+        let mut scene = Scene {
+            surfaces: vec![Surface {
+                material: Some("steel".to_owned()),
+                ..Surface::from_file("a")
+            }],
+            ..Scene::default()
+        };
+        Preset::from_name("water").unwrap().apply(&mut scene);
+        assert_eq!(scene.integrator, IntegratorSettings::default());
     }
 }

@@ -197,6 +197,19 @@ pub struct Surface {
     /// lowest and highest hundredth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_range: Option<[f64; 2]>,
+    /// Column that gives the material its roughness, written as for `color_by`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roughness_by: Option<String>,
+    /// Values of that column that mean roughness 0 and 1; unset, 0 and 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roughness_range: Option<[f64; 2]>,
+    /// Column that multiplies the absorption of a clear material, wherever light goes through it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absorption_by: Option<String>,
+    /// Values of that column that mean no absorption and the material's own; unset, 0 and 1. Beyond
+    /// them it goes on in proportion, never below 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absorption_range: Option<[f64; 2]>,
     /// Name of the material.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,

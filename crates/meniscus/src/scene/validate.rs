@@ -3,13 +3,18 @@
 mod company;
 
 use super::camera::{Camera, CameraError, CameraSettings};
-use super::file::suggest::{help_for, one_of};
+use super::file::suggest::help_for;
 use super::file::{SceneError, SceneErrorKind};
-use super::film::{Background, FilmSettings, MAX_PIXELS, MAX_SIDE, MAX_SPP};
-use super::{Color, Instance, IntegratorKind, Light, LightKind, Material, MaterialKind, Scene};
-use super::{Surface, Weights};
+use super::film::{
+    Background, FilmSettings, MAX_KELVIN, MAX_PIXELS, MAX_SIDE, MAX_SPP, MIN_KELVIN,
+};
+use super::integrator::MAX_AO_SAMPLES;
+use super::{Color, Instance, Scene};
+use super::{Surface, Weights, WhiteBalance};
 use company::check_matrix;
 use glam::DVec3;
+
+mod looks;
 
 type Checked = Result<(), SceneError>;
 
@@ -71,10 +76,10 @@ impl Scene {
             self.check_material("ground.material", ground.material.as_deref())?;
         }
         for (i, light) in self.lights.iter().enumerate() {
-            check_light(&format!("light.{i}"), light)?;
+            looks::check_light(&format!("light.{i}"), light)?;
         }
         for (name, material) in &self.materials {
-            check_material_values(&format!("material.{name}"), material)?;
+            looks::check_material(&format!("material.{name}"), material)?;
         }
         let shows_something =
             !self.surfaces.is_empty() || self.has_company() || self.ground.is_some();
@@ -86,19 +91,19 @@ impl Scene {
     }
 
     fn check_integrator(&self) -> Checked {
-        let kind = self.integrator.kind;
-        if !kind.is_supported() {
-            let known = IntegratorKind::ALL
-                .into_iter()
-                .filter(|kind| kind.is_supported());
-            return Err(unsupported(
-                "integrator.type",
-                &format!("integrator `{}`", kind.name()),
-                &one_of(known.map(IntegratorKind::name)),
-            ));
+        let settings = &self.integrator;
+        for (name, value) in [("distance", settings.distance), ("clamp", settings.clamp)] {
+            check_positive(&format!("integrator.{name}"), value)?;
+        }
+        if let Some(samples) = settings.samples {
+            require(
+                (1..=MAX_AO_SAMPLES).contains(&samples),
+                "integrator.samples",
+                format!("`samples` must be 1 to {MAX_AO_SAMPLES}, not {samples}"),
+            )?;
         }
         require(
-            self.integrator.depth >= 1,
+            settings.depth >= 1,
             "integrator.depth",
             "`depth` must be at least 1",
         )
@@ -201,6 +206,26 @@ fn check_film(film: &FilmSettings) -> Checked {
         "film.exposure",
         format!("`exposure` is in stops, −100 to 100, not {}", film.exposure),
     )?;
+    if let Some(noise) = film.noise {
+        require(
+            noise > 0.0 && noise < 1.0,
+            "film.noise",
+            format!("`noise` is relative, between 0 and 1 (0.02 is 2 %), not {noise}"),
+        )?;
+    }
+    match film.white_balance {
+        Some(WhiteBalance::Kelvin(kelvin)) => require(
+            (MIN_KELVIN..=MAX_KELVIN).contains(&kelvin),
+            "film.white_balance",
+            format!("`white_balance` is {MIN_KELVIN} to {MAX_KELVIN} kelvin, not {kelvin}"),
+        )?,
+        Some(WhiteBalance::Color(color)) => require(
+            color.0.into_iter().all(|c| c > 0.0 && c.is_finite()),
+            "film.white_balance",
+            "`white_balance` must have components above 0",
+        )?,
+        None => {}
+    }
     if let Some(Background::Color(color)) = film.background {
         check_radiance("film.background", color)?;
     }
@@ -244,6 +269,8 @@ fn check_surface(key: &str, surface: &Surface) -> Checked {
         ("filter", surface.filter.as_deref()),
         ("weights", surface.weights.as_ref().map(Weights::name)),
         ("color_by", surface.color_by.as_deref()),
+        ("roughness_by", surface.roughness_by.as_deref()),
+        ("absorption_by", surface.absorption_by.as_deref()),
     ];
     for (name, text) in texts {
         require(
@@ -252,91 +279,31 @@ fn check_surface(key: &str, surface: &Surface) -> Checked {
             format!("`{name}` is empty"),
         )?;
     }
-    if let Some([low, high]) = surface.color_range {
+    let ranges = [
+        ("color_range", surface.color_range),
+        ("roughness_range", surface.roughness_range),
+        ("absorption_range", surface.absorption_range),
+    ];
+    for (name, range) in ranges {
+        let Some([low, high]) = range else { continue };
         require(
             low.is_finite() && high.is_finite() && low < high,
-            format!("{key}.color_range"),
-            format!("`color_range` must be two numbers, the smaller first, not {low} and {high}"),
+            format!("{key}.{name}"),
+            format!("`{name}` must be two numbers, the smaller first, not {low} and {high}"),
         )?;
     }
     Ok(())
 }
 
-fn check_light(key: &str, light: &Light) -> Checked {
-    let kind = light.kind;
-    if !kind.is_supported() {
-        let what = format!("light type `{}`", kind.name());
-        return Err(unsupported(format!("{key}.type"), &what, "sun and sky"));
-    }
-    let keys = [
-        (
-            "direction",
-            light.direction.is_some(),
-            kind == LightKind::Sun,
-        ),
-        ("position", light.position.is_some(), false),
-        ("radius", light.radius.is_some(), false),
-        ("file", light.file.is_some(), false),
-    ];
-    for (name, given, taken) in keys {
-        require(
-            !given || taken,
-            format!("{key}.{name}"),
-            format!("a light of type `{}` takes no `{name}`", kind.name()),
-        )?;
-    }
-    if kind == LightKind::Sun {
-        let Some(direction) = light.direction else {
-            return Err(
-                invalid(format!("{key}.direction"), "the sun has no `direction`")
-                    .with_help("three numbers that point from the scene towards the sun"),
-            );
-        };
-        check_direction(&format!("{key}.direction"), direction)?;
-    }
+/// A number that may be missing, and is above 0 if it is there.
+fn check_positive(key: &str, value: Option<f64>) -> Checked {
+    let Some(value) = value else { return Ok(()) };
+    let name = last_step(key);
     require(
-        light.intensity >= 0.0 && light.intensity.is_finite(),
-        format!("{key}.intensity"),
-        format!("`intensity` must be 0 or more, not {}", light.intensity),
-    )?;
-    light.color.map_or(Ok(()), |color| {
-        check_radiance(&format!("{key}.color"), color)
-    })
-}
-
-fn check_material_values(key: &str, material: &Material) -> Checked {
-    let kind = material.kind;
-    if !kind.is_supported() {
-        let what = format!("material type `{}`", kind.name());
-        return Err(unsupported(
-            format!("{key}.type"),
-            &what,
-            "glossy and diffuse",
-        ));
-    }
-    let in_range = |value: f64| (0.0..=1.0).contains(&value);
-    require(
-        material.color.0.into_iter().all(in_range),
-        format!("{key}.color"),
-        "`color` must have components from 0 to 1",
-    )?;
-    for (name, value) in [
-        ("specular", material.specular),
-        ("roughness", material.roughness),
-    ] {
-        let Some(value) = value else { continue };
-        require(
-            kind == MaterialKind::Glossy,
-            format!("{key}.{name}"),
-            format!("a material of type `{}` takes no `{name}`", kind.name()),
-        )?;
-        require(
-            in_range(value),
-            format!("{key}.{name}"),
-            format!("`{name}` must be from 0 to 1, not {value}"),
-        )?;
-    }
-    Ok(())
+        value > 0.0 && value.is_finite(),
+        key,
+        format!("`{name}` must be a positive number, not {value}"),
+    )
 }
 
 fn check_point(key: &str, point: DVec3) -> Checked {

@@ -1,8 +1,9 @@
 //! Attributes of particles on the surface, blended by field weight.
 
 use crate::field::Contribution;
-use crate::frame::{Blobs, Frame};
+use crate::frame::Frame;
 use crate::intersect::Hit;
+use glam::DVec3;
 
 /// Names and components of all attributes that any surface of the frame carries, each name once, in
 /// order of first appearance; those of a name's first surface count.
@@ -68,18 +69,23 @@ pub(super) struct SurfaceAttributes {
 }
 
 impl SurfaceAttributes {
-    /// Finds the blobs at a hit; [`SurfaceAttributes::value`] blends what they carry.
-    pub(super) fn gather(&mut self, frame: &Frame, hit: &Hit) {
+    /// Finds the blobs of surface `surface` at a world point; [`SurfaceAttributes::value`] blends what
+    /// they carry.
+    pub(super) fn gather(&mut self, frame: &Frame, surface: u32, position: DVec3) {
         self.parts.clear();
-        if let Some((blobs, local)) = local_point(frame, hit) {
+        let instance = &frame.instances[surface as usize];
+        if let Some(blobs) = frame.geometries[instance.geometry as usize].blobs() {
+            let object = instance.object_from_world.transform_point3(position);
+            let local = object - blobs.field.origin;
             blobs.field.contributions(local, &mut self.parts);
         }
     }
 
     /// Attribute `attribute` of the surface that was gathered, all its components.
-    pub(super) fn value(&mut self, frame: &Frame, hit: &Hit, attribute: usize) -> &[f32] {
+    pub(super) fn value(&mut self, frame: &Frame, surface: u32, attribute: usize) -> &[f32] {
         self.own.clear();
-        if let Some((blobs, _)) = local_point(frame, hit)
+        let geometry = frame.instances[surface as usize].geometry as usize;
+        if let Some(blobs) = frame.geometries[geometry].blobs()
             && let Some(column) = blobs.field.attributes.get(attribute)
         {
             self.blend.clear();
@@ -97,16 +103,8 @@ impl SurfaceAttributes {
         self.all.resize(layout.total, 0.0);
         let geometry = frame.instances[hit.surface as usize].geometry as usize;
         for (attribute, &(offset, components)) in layout.places[geometry].iter().enumerate() {
-            self.value(frame, hit, attribute);
+            self.value(frame, hit.surface, attribute);
             self.all[offset..offset + components].copy_from_slice(&self.own[..components]);
         }
     }
-}
-
-/// The blobs that were hit and the hit in their local coordinates.
-fn local_point<'a>(frame: &'a Frame, hit: &Hit) -> Option<(&'a Blobs, glam::DVec3)> {
-    let instance = &frame.instances[hit.surface as usize];
-    let blobs = frame.geometries[instance.geometry as usize].blobs()?;
-    let object = instance.object_from_world.transform_point3(hit.position);
-    Some((blobs, object - blobs.field.origin))
 }

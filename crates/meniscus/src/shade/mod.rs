@@ -1,10 +1,15 @@
-//! What surfaces look like: materials, direct light, sky.
+//! What surfaces look like: how they scatter light, where light comes from, and ways to gather it.
 
 mod attributes;
+mod bsdf;
 mod gloss;
-mod shaded;
-mod sky;
+mod integrator;
+mod light;
+mod medium;
+mod rays;
+mod world;
 
 pub use attributes::{AttributeLayout, frame_attributes};
-pub use shaded::{RayCounts, Seen, ShadeScratch, Shader};
-pub use sky::Sky;
+pub use integrator::{ShadeSettings, Shader};
+pub use light::Sky;
+pub use rays::{RayCounts, Seen, ShadeScratch};

@@ -125,7 +125,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         .map_err(|error| Failure::wrong(error.to_string()))?;
     let towards_light = frame.lights.iter().find_map(|light| match light {
         Light::Sun { towards, .. } => Some(*towards),
-        Light::Sky { .. } => None,
+        _ => None,
     });
     reporter.stage("trace");
     let bench = Bench {

@@ -73,7 +73,7 @@ pub(crate) struct Bench<'a> {
 struct Start {
     position: DVec3,
     normal: DVec3,
-    pixel: u32,
+    pixel: [u32; 2],
 }
 
 /// The middle value; sorts.
@@ -95,14 +95,14 @@ impl Bench<'_> {
         let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
             self.frame.closest_hits(rays, hits, scratch);
         };
-        let primary_ray = |pixel: &u32| self.primary_ray(*pixel);
+        let primary_ray = |pixel: &[u32; 2]| self.primary_ray(*pixel);
         let (figures, _, counters) = self.pass(0, &pixels, primary_ray, closest)?;
         Ok((figures, counters))
     }
 
     /// The ray through the centre of a pixel.
-    fn primary_ray(&self, pixel: u32) -> Ray {
-        let (x, y) = (pixel % self.camera.size[0], pixel / self.camera.size[0]);
+    #[inline(always)]
+    fn primary_ray(&self, [x, y]: [u32; 2]) -> Ray {
         self.camera.ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
     }
 
@@ -113,7 +113,7 @@ impl Bench<'_> {
         let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
             self.frame.closest_hits(rays, hits, scratch);
         };
-        let primary_ray = |pixel: &u32| self.primary_ray(*pixel);
+        let primary_ray = |pixel: &[u32; 2]| self.primary_ray(*pixel);
         let (primary, hits, counters) = self.pass(0, &pixels, primary_ray, closest)?;
 
         let starts: Vec<Start> = hits
@@ -143,8 +143,7 @@ impl Bench<'_> {
         let refinement_secs = self.frame.refinement_secs();
 
         let hemisphere_ray = |start: &Start| {
-            let pixel = [start.pixel % width, start.pixel / width];
-            let u = PixelSampler::new(pixel, 0, SEED).next_2d();
+            let u = PixelSampler::new(start.pixel, 0, SEED).next_2d();
             from_surface(start, cosine_hemisphere(start.normal, u))
         };
         let (hemisphere, ..) = self.pass(2, &starts, hemisphere_ray, closest)?;
@@ -184,7 +183,10 @@ impl Bench<'_> {
                     <(Vec<Ray>, Scratch)>::default,
                     |(rays, scratch), (items, answers)| {
                         rays.clear();
-                        rays.extend(items.iter().map(&ray_of));
+                        rays.reserve(items.len());
+                        for item in items {
+                            rays.push(ray_of(item));
+                        }
                         trace(rays, answers, scratch);
                         std::mem::take(&mut scratch.counters)
                     },
@@ -236,12 +238,11 @@ impl Answer for bool {
 }
 
 /// The pixels of an image, block after block of 4 × 4, so that neighbours follow each other.
-fn in_blocks(width: u32, height: u32) -> Vec<u32> {
-    let mut pixels: Vec<u32> = (0..width * height).collect();
-    pixels.sort_by_key(|pixel| {
-        let (x, y) = (pixel % width, pixel / width);
-        (y / BLOCK, x / BLOCK, y % BLOCK, x % BLOCK)
-    });
+fn in_blocks(width: u32, height: u32) -> Vec<[u32; 2]> {
+    let mut pixels: Vec<[u32; 2]> = (0..height)
+        .flat_map(|y| (0..width).map(move |x| [x, y]))
+        .collect();
+    pixels.sort_by_key(|[x, y]| (y / BLOCK, x / BLOCK, y % BLOCK, x % BLOCK));
     pixels
 }
 

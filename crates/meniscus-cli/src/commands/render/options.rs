@@ -7,9 +7,11 @@ use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failu
 use crate::progress::Reporter;
 use meniscus::film::{AovStyle, BitDepth, CHANNELS, Region};
 use meniscus::particles::sequence::{FrameSelection, is_pattern};
+use meniscus::scene::film::MAX_SPP;
 use meniscus::scene::{Background, ColorMap, Ground, IntegratorKind, Preset, Scene};
 use std::ops::Range;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// What decides about the file of a picture rather than about the scene.
 #[derive(Debug)]
@@ -26,6 +28,8 @@ pub(crate) struct PictureOptions {
     pub region: Option<Region>,
     /// Samples of each pixel.
     pub samples: Option<Range<u32>>,
+    /// When to stop adding samples.
+    pub time_limit: Option<Duration>,
     /// The one legend of a sequence whose colour range is fixed; else each picture has its own.
     pub shared_legend: Option<PathBuf>,
 }
@@ -85,10 +89,25 @@ impl PictureOptions {
             samples: args
                 .samples
                 .map(|range| range.first..range.last.saturating_add(1)),
+            time_limit: args.time_limit.map(time_limit).transpose()?,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
         })
     }
 }
+
+fn time_limit(secs: f64) -> Outcome<Duration> {
+    Duration::try_from_secs_f64(secs)
+        .ok()
+        .filter(|limit| !limit.is_zero())
+        .ok_or_else(|| {
+            Failure::wrong(format!(
+                "--time-limit must be a positive number of seconds, not {secs}"
+            ))
+        })
+}
+
+/// Most samples of a pixel where --noise decides and --spp says nothing.
+const MOST_ADAPTIVE_SAMPLES: u32 = 1024;
 
 /// Flags that are announced and not there yet are answered, never ignored.
 fn refuse_what_is_to_come(args: &RenderArgs) -> Outcome {
@@ -113,15 +132,7 @@ fn refuse_what_is_to_come(args: &RenderArgs) -> Outcome {
             return Err(Failure::not_yet(&format!("--aov {name}"), &available));
         }
     }
-    match args.integrator.as_deref() {
-        None => Ok(()),
-        Some(name) => match IntegratorKind::from_name(name) {
-            Some(kind) if kind.is_supported() => Ok(()),
-            Some(_) => Err(Failure::not_yet(&format!("--integrator {name}"), "shaded")),
-            None => Err(Failure::wrong(format!("there is no integrator `{name}`"))
-                .with_help("there is: shaded")),
-        },
-    }
+    Ok(())
 }
 
 /// The frames asked for.
@@ -142,11 +153,23 @@ pub(crate) fn edit_scene(args: &RenderArgs, format: PictureFormat, scene: &mut S
     apply_surface(&args.surface, scene)?;
     apply_camera(&args.camera, scene)?;
     apply_look(args, scene)?;
+    apply_integrator(args, scene)?;
     if let Some(size) = args.size {
         [scene.film.width, scene.film.height] = size.0;
     }
+    if args.noise.is_some() {
+        scene.film.noise = args.noise;
+        scene.film.spp = scene.film.spp.max(MOST_ADAPTIVE_SAMPLES);
+    } else if args.time_limit.is_some() {
+        scene.film.spp = MAX_SPP;
+    }
     if let Some(spp) = args.spp {
         scene.film.spp = spp;
+    }
+    if args.samples.is_some() && (scene.film.noise.is_some() || args.time_limit.is_some()) {
+        return Err(Failure::wrong(
+            "--samples names samples that every pixel gets: not with --noise or --time-limit",
+        ));
     }
     let background = args.background.as_deref().map(background).transpose()?;
     scene.film.background = background.or(scene.film.background).or(match format {
@@ -205,6 +228,19 @@ fn apply_look(args: &RenderArgs, scene: &mut Scene) -> Outcome {
             .with_help(format!("there are: {all}"))
     })?;
     preset.apply(scene);
+    Ok(())
+}
+
+/// What the integrator is, over what a preset made of it.
+fn apply_integrator(args: &RenderArgs, scene: &mut Scene) -> Outcome {
+    let Some(name) = &args.integrator else {
+        return Ok(());
+    };
+    scene.integrator.kind = IntegratorKind::from_name(name).ok_or_else(|| {
+        let all = IntegratorKind::ALL.map(IntegratorKind::name).join(", ");
+        Failure::wrong(format!("there is no integrator `{name}`"))
+            .with_help(format!("there are: {all}"))
+    })?;
     Ok(())
 }
 

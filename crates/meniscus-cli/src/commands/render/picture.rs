@@ -9,7 +9,7 @@ use crate::job::load::{self, LoadedFrame};
 use crate::job::output::PictureFormat;
 use crate::progress::Reporter;
 use crate::stats::{FrameStats, ImageStats, RayStats, peak_rss_bytes};
-use meniscus::film::{ChannelSet, Film, FilmError, Legend, Tone};
+use meniscus::film::{ChannelSet, Curve, Film, FilmError, Legend, Tone, WhitePoint};
 use meniscus::frame::{BaseColor, Frame};
 use meniscus::render::{
     Backend, CpuBackend, Progress, RenderError, RenderSettings, RenderState, RenderStats,
@@ -46,6 +46,11 @@ pub(crate) fn camera(scene: &Scene, frame: &Frame) -> Outcome<Camera> {
         .map_err(|error| Failure::wrong(error.to_string()))
 }
 
+/// Whether pixels may get fewer samples than `spp`.
+fn film_stops_early(work: &FrameWork<'_>) -> bool {
+    work.scene.film.noise.is_some() || work.options.time_limit.is_some()
+}
+
 /// Depths between which the framed objects lie.
 fn depth_range(frame: &Frame, camera: &Camera) -> [f64; 2] {
     let bounds = frame.framing_bounds();
@@ -75,6 +80,13 @@ impl FrameWork<'_> {
             film.apply_cues(&self.scene.cues, &camera, range);
         }
         interrupt::check()?;
+        if film_stops_early(self) {
+            let pixels = film.region().pixels().max(1) as f64;
+            reporter.note(&format!(
+                "{:.1} samples per pixel",
+                rendered.rays.primary as f64 / pixels
+            ));
+        }
         reporter.stage("write");
         let writing = Instant::now();
         self.write(&film, &loaded.frame)?;
@@ -111,7 +123,9 @@ impl FrameWork<'_> {
             samples: self.options.samples.clone(),
             channels: Arc::new(channels),
             background: film.background.unwrap_or_default(),
-            integrator: self.scene.integrator.kind,
+            integrator: self.scene.integrator.clone(),
+            noise: film.noise,
+            time_limit: self.options.time_limit,
             ..RenderSettings::default()
         };
         reporter.stage("render");
@@ -140,8 +154,16 @@ impl FrameWork<'_> {
         }
         match self.options.format {
             PictureFormat::Png => {
-                let exposure = self.scene.film.exposure as f32;
-                let image = film.develop(Tone::Filmic { exposure }, self.options.depth);
+                let settings = &self.scene.film;
+                let tone = Tone {
+                    curve: Curve::Filmic,
+                    exposure: settings.exposure as f32,
+                    white: settings
+                        .white_balance
+                        .map(WhitePoint::new)
+                        .unwrap_or_default(),
+                };
+                let image = film.develop(tone, self.options.depth);
                 image.write_png(self.output).map_err(failed)
             }
             PictureFormat::Exr => film

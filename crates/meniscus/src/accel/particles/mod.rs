@@ -16,21 +16,12 @@ use crate::accel::cells::layout::Block;
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
+use crate::scene::Builder;
 use fit::{inner_level, typical_support};
 use glam::Vec3;
 use layout::Node;
 use rayon::prelude::*;
 use topology::Topology;
-
-/// How particles are grouped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Builder {
-    /// By the surface area heuristic: the faster rays.
-    #[default]
-    Sah,
-    /// Along a Morton curve: the faster build.
-    Morton,
-}
 
 /// The structure of engine `particles`.
 #[derive(Debug, Default, PartialEq)]

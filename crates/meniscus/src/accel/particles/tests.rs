@@ -1,5 +1,6 @@
 use super::layout::Node;
 use super::*;
+
 use crate::accel::cells::layout::{LEAF, LeafHeader};
 use crate::field::Search;
 use crate::kernel::Kernel;

@@ -56,6 +56,21 @@ impl Active {
         self.c[count..end].fill(0.0);
     }
 
+    /// Behind this place all blobs recede, so that their field falls; infinite where some weight is
+    /// negative.
+    #[inline(always)]
+    pub(in crate::intersect) fn last_approach<S: Simd>(&self, simd: S) -> f32 {
+        let mut last = f32x16::splat(simd, f32::MIN);
+        let infinite = f32x16::splat(simd, f32::INFINITY);
+        let zero = f32x16::splat(simd, 0.0);
+        for at in (0..self.count).step_by(LANES) {
+            let [c, _, g0, weight] = self.lanes(simd, at);
+            let approach = weight.simd_lt(zero).select(infinite, c);
+            last = g0.simd_gt(zero).select(approach, last).max(last);
+        }
+        last.reduce_max()
+    }
+
     /// The part of [0, length] from the first support's entry to the last one's exit, for at most
     /// one chunk of blobs.
     #[inline(always)]

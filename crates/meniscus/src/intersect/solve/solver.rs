@@ -246,29 +246,44 @@ impl FirstCrossing for Solver {
         // While `returning` the search is for the side that the ray is said to start on: φ is
         // negated, and what is found is where the search proper begins.
         let mut returning = segment.entry != Entry::Confirmed;
+        // Seen from outside: where φ has not reached 0 by then it never will.
+        let end = if self.inside {
+            segment.length
+        } else {
+            let last_approach = active.last_approach(simd);
+            segment.length.min(last_approach.max(segment.from))
+        };
         let mut start = (segment.from, segment.length);
         let mut falls_at_start = false;
-        if segment.entry == Entry::Unconfirmed {
-            let departure = Departure::new::<S, K>(simd, self, active, segment.from);
-            falls_at_start = departure.falls();
-            if falls_at_start {
-                let (_, rise) = self.bend::<S, K>(simd, active, segment.from, segment.length);
-                if let Some(safe) = departure.until(rise) {
-                    if safe >= segment.length {
-                        return Verdict::StaysOnSide;
+        match segment.entry {
+            Entry::Returning => {}
+            Entry::Unconfirmed => {
+                if end <= segment.from {
+                    return Verdict::StaysOnSide;
+                }
+                let departure = Departure::new::<S, K>(simd, self, active, segment.from);
+                falls_at_start = departure.falls();
+                if falls_at_start {
+                    let (_, rise) = self.bend::<S, K>(simd, active, segment.from, end);
+                    if let Some(safe) = departure.until(rise) {
+                        if safe >= end {
+                            return Verdict::StaysOnSide;
+                        }
+                        start = (safe.max(segment.from), end);
+                        returning = false;
                     }
-                    start.0 = safe.max(segment.from);
-                    returning = false;
                 }
             }
-        }
-        let comes_from_elsewhere = segment.entry == Entry::Confirmed && segment.from == 0.0;
-        if !self.inside && comes_from_elsewhere && active.count <= LANES {
-            if active.count == 1 {
-                return self.lone_blob::<K>(active, segment.length);
+            Entry::Confirmed => {
+                start.1 = end;
+                if !self.inside && segment.from == 0.0 && active.count <= LANES {
+                    if active.count == 1 {
+                        return self.lone_blob::<K>(active, segment.length);
+                    }
+                    // Outside all supports the field is 0.
+                    start = active.span(simd, end);
+                }
             }
-            // Outside all supports the field is 0.
-            start = active.span(simd, segment.length);
         }
         pending[0] = Interval {
             from: start.0,

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// Two horizontal unit vectors: with Y up they are +X and +Z, and with Z up +X and −Y, so that the
 /// default views look at the same sides of an object whichever axis its file calls up.
-pub(in crate::scene) fn horizontal_axes(up: DVec3) -> [DVec3; 2] {
+pub(crate) fn horizontal_axes(up: DVec3) -> [DVec3; 2] {
     let side = if up.x.abs() > 0.9 {
         DVec3::NEG_Z * up.x.signum()
     } else {

@@ -4,7 +4,7 @@ mod framing;
 mod settings;
 mod turntable;
 
-pub(super) use framing::horizontal_axes;
+pub(crate) use framing::horizontal_axes;
 pub use settings::{CameraSettings, Up, UpError};
 
 use crate::math::ray::{Ray, RayDifferential};
@@ -42,6 +42,10 @@ pub struct Camera {
     pub size: [u32; 2],
     /// Half width and half height of the picture at distance 1 along the view axis.
     half_extents: [f64; 2],
+    /// The direction through the film's top left corner, of length 1 along the view axis.
+    corner: DVec3,
+    /// How that direction changes from pixel to pixel, to the right and down.
+    pixel_steps: [DVec3; 2],
 }
 
 impl Camera {
@@ -68,32 +72,33 @@ impl Camera {
             .filter(|right| right.length_squared() > 1e-12)
             .and_then(DVec3::try_normalize)
             .ok_or(CameraError::Up)?;
+        let up = right.cross(forward);
         let half_height = (0.5 * fov).tan();
         let [width, height] = size.map(f64::from);
+        let half_width = half_height * width / height;
+        let pixel = 2.0 * half_height / height;
         Ok(Self {
             eye,
             forward,
             right,
-            up: right.cross(forward),
+            up,
             fov,
             size,
-            half_extents: [half_height * width / height, half_height],
+            half_extents: [half_width, half_height],
+            corner: forward - right * half_width + up * half_height,
+            pixel_steps: [right * pixel, up * -pixel],
         })
     }
 
     /// The direction through a point of the film, of length 1 along the view axis.
-    #[inline]
-    fn towards(&self, film: [f64; 2]) -> DVec3 {
-        let [half_width, half_height] = self.half_extents;
-        let [width, height] = self.size.map(f64::from);
-        let x = (2.0 * film[0] / width - 1.0) * half_width;
-        let y = (1.0 - 2.0 * film[1] / height) * half_height;
-        self.forward + self.right * x + self.up * y
+    #[inline(always)]
+    fn towards(&self, [x, y]: [f64; 2]) -> DVec3 {
+        self.corner + self.pixel_steps[0] * x + self.pixel_steps[1] * y
     }
 
     /// The ray through a point of the film, in pixels from the top left corner (the centre of pixel
     /// (0, 0) is (0.5, 0.5)). Unit direction, side unknown, time 0, without differentials.
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, film: [f64; 2]) -> Ray {
         Ray::new(self.eye, self.towards(film).normalize())
     }
@@ -103,12 +108,11 @@ impl Camera {
         let towards = self.towards(film);
         let length = towards.length();
         let direction = towards / length;
-        let pixel = 2.0 * self.half_extents[1] / f64::from(self.size[1]);
         // d(v/|v|) = (dv − u (u·dv))/|v| with u = v/|v|.
         let change = |step: DVec3| ((step - direction * direction.dot(step)) / length).as_vec3();
         RayDifferential {
             origin: [Vec3::ZERO; 2],
-            direction: [change(self.right * pixel), change(self.up * -pixel)],
+            direction: self.pixel_steps.map(change),
         }
     }
 

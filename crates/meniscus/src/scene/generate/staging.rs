@@ -2,7 +2,9 @@
 
 use crate::math::aabb::DAabb;
 use crate::scene::preset::Preset;
-use crate::scene::{BlobSettings, CameraSettings, Ground, Light, Scene, Surface, Up};
+use crate::scene::{
+    BlobSettings, CameraSettings, Ground, IntegratorSettings, Light, Scene, Surface, Up,
+};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -54,6 +56,8 @@ impl Staging {
         };
         if let Some(preset) = Preset::from_name(self.preset) {
             preset.apply(&mut scene);
+            // A first look is quick; `--integrator path` gives the material its due.
+            scene.integrator = IntegratorSettings::default();
         }
         scene
     }

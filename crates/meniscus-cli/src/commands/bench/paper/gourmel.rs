@@ -18,6 +18,7 @@ const PLAIN: EngineSettings = EngineSettings {
     rmax_boxes: false,
     discard: false,
     clipping: meniscus::scene::Clipping::Own,
+    builder: meniscus::scene::Builder::Sah,
 };
 
 /// A row of table 1: milliseconds of construction and frames a second, BVH then FBVH.

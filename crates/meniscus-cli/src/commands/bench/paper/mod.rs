@@ -2,6 +2,7 @@
 //! two decades and a graphics card apart, so ratios are what can be compared.
 
 mod gourmel;
+mod kanamori;
 
 use super::passes::{Bench, median};
 use crate::exit::{Failure, Outcome};
@@ -26,11 +27,13 @@ const SIZE: [u32; 2] = [640, 480];
 type Print = fn(&Stage<'_>) -> Outcome<String>;
 
 /// The tables by name.
-const TABLES: [(&str, Print); 4] = [
+const TABLES: [(&str, Print); 6] = [
     ("gourmel-1", gourmel::table_1),
     ("gourmel-3", gourmel::table_3),
     ("gourmel-4", gourmel::table_4),
     ("gourmel-5", gourmel::table_5),
+    ("kanamori-1", kanamori::table_1),
+    ("kanamori-clipping", kanamori::clipping),
 ];
 
 /// Prints one table, or all.
@@ -113,6 +116,17 @@ impl Stage<'_> {
 
     /// Builds and traces primary rays through the pixel centres.
     fn measure(&self, set: &Set, engine: Engine, switches: EngineSettings) -> Outcome<Measured> {
+        self.measure_at(SIZE, set, engine, switches)
+    }
+
+    /// The same for a picture of another size.
+    fn measure_at(
+        &self,
+        size: [u32; 2],
+        set: &Set,
+        engine: Engine,
+        switches: EngineSettings,
+    ) -> Outcome<Measured> {
         let settings = FrameSettings {
             engine,
             switches,
@@ -128,7 +142,7 @@ impl Stage<'_> {
                 .map_err(|error| Failure::work(error.to_string()))?;
             times.push(start.elapsed().as_secs_f64());
         }
-        let camera = Camera::from_settings(&set.scene.camera, frame.framing_bounds(), SIZE)
+        let camera = Camera::from_settings(&set.scene.camera, frame.framing_bounds(), size)
             .map_err(|error| Failure::work(error.to_string()))?;
         let bench = Bench {
             frame: &frame,

@@ -81,6 +81,8 @@ struct Gathered<S: Simd> {
     upper: f32x16<S>,
     /// Upper bound of the field's second derivative along the ray.
     rise: f32x16<S>,
+    /// From here on all blobs recede, so that the field falls; infinite where some weight is negative.
+    last_approach: f32x16<S>,
 }
 
 impl LeafView<'_> {
@@ -176,7 +178,7 @@ impl LeafView<'_> {
                 job,
                 active,
                 (todo, at_start),
-                (length, gathered.rise),
+                (length, gathered.rise, gathered.last_approach),
                 origin[0]
                     .abs()
                     .max(origin[1].abs())
@@ -235,6 +237,7 @@ impl LeafView<'_> {
     ) -> Gathered<S> {
         let zero = f32x16::splat(simd, 0.0);
         let (mut upper, mut rise) = (zero, zero);
+        let mut last_approach = f32x16::splat(simd, f32::MIN);
         let mut count = 0;
         let per_chunk = self.stored.blocks_per_chunk::<P>();
         active.reserve(self.header.count);
@@ -261,7 +264,9 @@ impl LeafView<'_> {
             upper = Number::mul_add(K::of_g(most), positive, upper);
             let bound = line.beta * K::convex_bound(g0);
             rise = Number::mul_add(bound, positive, rise);
+            last_approach = meets.select(line.c, last_approach).max(last_approach);
             if weight < 0.0 {
+                last_approach = f32x16::splat(simd, f32::INFINITY);
                 let bound = line.beta * K::concave_bound(g0);
                 rise = Number::mul_add(bound, f32x16::splat(simd, -weight), rise);
             }
@@ -278,7 +283,11 @@ impl LeafView<'_> {
             count += usize::from(meets.to_bitmask() as u32 & mask != 0);
         }
         active.count = count;
-        Gathered { upper, rise }
+        Gathered {
+            upper,
+            rise,
+            last_approach,
+        }
     }
 
     /// −∇F and the strongest blob at one point per lane.

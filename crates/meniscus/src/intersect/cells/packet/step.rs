@@ -32,14 +32,15 @@ pub(super) struct Stepped<S: Simd> {
 }
 
 /// First crossings on [0, length] of the lanes of `todo`, which travel outside; those of `at_start`
-/// may be at their own start. `rise` bounds |φ″|, `extent` the coordinates.
+/// may be at their own start. `rise` bounds |φ″|, behind `last_approach` φ falls, `extent` bounds the
+/// coordinates.
 #[inline(always)]
 pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     job: &Job,
     active: &ActiveLanes,
     (todo, at_start): (u32, u32),
-    (length, rise): (f32x16<S>, f32x16<S>),
+    (length, rise, last_approach): (f32x16<S>, f32x16<S>, f32x16<S>),
     extent: f32x16<S>,
 ) -> Stepped<S> {
     let zero = f32x16::splat(simd, 0.0);
@@ -49,6 +50,8 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
     let mut at = zero;
     let mut crossings = zero;
     let (mut crossed, mut unclear, mut rest) = (0, 0, todo);
+    // Where φ has not reached 0 by then it never will.
+    let end = length.min(last_approach);
     if at_start == 0 {
         if let [blob] = active.blobs() {
             return few::lone_blob::<S, K, P>(simd, job, blob, (todo, length));
@@ -73,6 +76,7 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
             let near_surface = (phi + noise).simd_gt(zero).to_bitmask() as u32;
             let leaves = (depth + noise * 4.0).simd_lt(zero).to_bitmask() as u32
                 & !(inwards.to_bitmask() as u32);
+            let leaves = leaves | last_approach.simd_le(zero).to_bitmask() as u32;
             let leaving = at_start & near_surface & leaves;
             unclear |= at_start & near_surface & !leaves;
             rest &= !unclear;
@@ -87,7 +91,7 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
         unclear |= rest & close & !beyond & !steep;
         rest &= !unclear;
         // Where φ′ > 8Kδ the crossing lies at most 6Kδ²/φ′ behind the next step (−φ″ ≤ 2K).
-        let in_leaf = next.simd_le(length).to_bitmask() as u32;
+        let in_leaf = next.simd_le(end).to_bitmask() as u32;
         let room = if job.any { length - next } else { tolerance };
         let near = (bend * delta * 6.0).simd_le(room * slope).to_bitmask() as u32;
         let sure = in_leaf & near & slope.simd_gt(bend * 8.0).to_bitmask() as u32;

@@ -6,8 +6,8 @@ use super::*;
 use crate::kernel::Kernel;
 use crate::scene::{
     Background, CameraSettings, Clip, Clipping, Color, ColorMap, CueSettings, FilmSettings, Ground,
-    Instance, LeafCost, Light, LightKind, Material, Matrix, Mesh, Plane, Sphere, Surface, Up,
-    Weights,
+    Instance, IntegratorKind, IntegratorSettings, LeafCost, Light, LightKind, Material,
+    MaterialKind, Matrix, Mesh, Plane, Sphere, Surface, Up, Weights,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
@@ -24,6 +24,8 @@ width = 640
 height = 480
 spp = 64
 exposure = -0.5
+white_balance = 5600
+noise = 0.02
 background = "#ff8000"
 
 [cues]
@@ -31,13 +33,17 @@ silhouettes = 0.5
 depth_shading = 2
 
 [integrator]
-type = "shaded"
+type = "path"
 depth = 3
+glossy_depth = 2
+clamp = 10
+caustics = false
 
 [engine]
 cost = "n"
 fit = false
 clipping = "kanamori"
+builder = "morton"
 
 [[surface]]
 name = "crown"
@@ -53,6 +59,9 @@ attributes = ["velocity", "density"]
 color_by = "velocity.x"
 color_map = "magma"
 color_range = [-1, 2]
+roughness_by = "wear"
+roughness_range = [0, 4]
+absorption_by = "dye"
 material = "wet"
 
 [[surface]]
@@ -91,6 +100,17 @@ type = "sun"
 direction = [1, 1, 1]
 color = [1, 0.9, 0.8]
 intensity = 2
+angle = 0.5
+
+[[light]]
+type = "rectangle"
+position = [0, 5, 0]
+edges = [[1, 0, 0], [0, 0, 1]]
+
+[[light]]
+type = "environment"
+file = "sky.hdr"
+rotation = 90
 
 [[light]]
 type = "sky"
@@ -101,6 +121,13 @@ type = "glossy"
 color = "#204060"
 specular = 0.8
 roughness = 0.1
+
+[material.tank]
+type = "glass"
+ior = 1.52
+absorption = [0.9, 1, 0.95]
+absorption_depth = 0.1
+priority = 3
 "##;
 
 fn full() -> Scene {
@@ -116,16 +143,23 @@ fn full() -> Scene {
             height: 480,
             spp: 64,
             exposure: -0.5,
+            white_balance: Some(crate::scene::WhiteBalance::Kelvin(5600.0)),
+            noise: Some(0.02),
             background: Some(Background::Color(Color::from_srgb8([255, 128, 0]))),
         },
-        integrator: crate::scene::IntegratorSettings {
+        integrator: IntegratorSettings {
+            kind: IntegratorKind::Path,
             depth: 3,
+            glossy_depth: Some(2),
+            clamp: Some(10.0),
+            caustics: false,
             ..Default::default()
         },
         engine: crate::scene::EngineSettings {
             cost: LeafCost::N,
             fit: false,
             clipping: Clipping::Kanamori,
+            builder: crate::scene::Builder::Morton,
             ..Default::default()
         },
         surfaces: vec![
@@ -141,6 +175,9 @@ fn full() -> Scene {
                 color_by: Some("velocity.x".to_owned()),
                 color_map: Some(ColorMap::Magma),
                 color_range: Some([-1.0, 2.0]),
+                roughness_by: Some("wear".to_owned()),
+                roughness_range: Some([0.0, 4.0]),
+                absorption_by: Some("dye".to_owned()),
                 material: Some("wet".to_owned()),
                 ..Surface::from_file("frames/crown_{}.vtk")
             },
@@ -172,6 +209,19 @@ fn full() -> Scene {
                 direction: Some(DVec3::ONE),
                 color: Some(Color([1.0, 0.9, 0.8])),
                 intensity: 2.0,
+                angle: Some(0.5),
+                ..Light::default()
+            },
+            Light {
+                kind: LightKind::Rectangle,
+                position: Some(DVec3::Y * 5.0),
+                edges: Some([DVec3::X, DVec3::Z]),
+                ..Light::default()
+            },
+            Light {
+                kind: LightKind::Environment,
+                file: Some("sky.hdr".into()),
+                rotation: Some(90.0),
                 ..Light::default()
             },
             Light {
@@ -180,10 +230,22 @@ fn full() -> Scene {
                 ..Light::default()
             },
         ],
-        materials: [(
-            "wet".to_owned(),
-            Material::glossy(Color::from_srgb8([32, 64, 96]), 0.8, 0.1),
-        )]
+        materials: [
+            (
+                "wet".to_owned(),
+                Material::glossy(Color::from_srgb8([32, 64, 96]), 0.8, 0.1),
+            ),
+            (
+                "tank".to_owned(),
+                Material {
+                    ior: Some(1.52),
+                    absorption: Some(Color([0.9, 1.0, 0.95])),
+                    absorption_depth: Some(0.1),
+                    priority: Some(3),
+                    ..Material::of(MaterialKind::Glass, None)
+                },
+            ),
+        ]
         .into(),
         meshes: vec![Mesh {
             file: "tank.obj".into(),

@@ -42,7 +42,7 @@ fn set_changes_one_key_as_the_file_would() {
         point: DVec3::new(0.0, -5.0, 0.0),
         ..Plane::default()
     });
-    expected.materials.get_mut("wet").unwrap().color = Color([0.0; 3]);
+    expected.materials.get_mut("wet").unwrap().color = Some(Color([0.0; 3]));
     expected.materials.insert(
         "dry".to_owned(),
         Material {

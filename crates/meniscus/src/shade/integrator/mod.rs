@@ -1,0 +1,158 @@
+//! Ways of gathering light, one file each: a closed list.
+
+mod ambient;
+mod ao;
+mod path;
+mod shaded;
+mod whitted;
+
+use super::gloss::Gloss;
+use super::medium::MediumStack;
+use super::rays::{Seen, ShadeScratch};
+use super::world::World;
+use crate::frame::Frame;
+use crate::intersect::Hit;
+use crate::math::ray::Ray;
+use crate::math::sampling::PixelSampler;
+use crate::scene::{Background, IntegratorKind, IntegratorSettings};
+use ambient::Ambient;
+use glam::{DVec3, Vec3};
+
+/// How a frame is shaded.
+#[derive(Debug, Clone)]
+pub struct ShadeSettings {
+    /// How light is gathered.
+    pub integrator: IntegratorSettings,
+    /// What stands behind the surfaces.
+    pub background: Background,
+    /// Whether every attribute is evaluated where the eye's rays hit.
+    pub with_attributes: bool,
+    /// Camera samples per pixel, over which `ao` deals out its rays.
+    pub spp: u32,
+    /// Where the eye's rays start: the media there surround the camera.
+    pub eye: DVec3,
+}
+
+impl Default for ShadeSettings {
+    fn default() -> Self {
+        Self {
+            integrator: IntegratorSettings::default(),
+            background: Background::Sky,
+            with_attributes: false,
+            spp: 1,
+            eye: DVec3::ZERO,
+        }
+    }
+}
+
+/// Shades the surfaces of one frame.
+pub struct Shader<'a> {
+    world: World<'a>,
+    settings: ShadeSettings,
+    /// Media around the eye.
+    media: MediumStack,
+    /// Light from all around, for `shaded` and `whitted`.
+    ambient: Ambient,
+    /// Coats of `shaded`, one per material.
+    gloss: Vec<Option<Gloss>>,
+}
+
+/// What an integrator found along an eye's ray.
+struct Gathered {
+    /// Light towards the eye, without what shows behind a faded ground.
+    radiance: Vec3,
+    /// The first surface and its base colour.
+    first: Option<(Hit, Vec3)>,
+    /// Whether something was seen, a surface or a lamp.
+    is_covered: bool,
+}
+
+impl Gathered {
+    fn surface(radiance: Vec3, hit: Hit, color: Vec3) -> Self {
+        Self {
+            radiance,
+            first: Some((hit, color)),
+            is_covered: true,
+        }
+    }
+
+    fn nothing(radiance: Vec3) -> Self {
+        Self {
+            radiance,
+            first: None,
+            is_covered: false,
+        }
+    }
+}
+
+impl<'a> Shader<'a> {
+    /// A shader for `frame`.
+    pub fn new(frame: &'a Frame, settings: &ShadeSettings) -> Self {
+        let scatters = match settings.integrator.kind {
+            IntegratorKind::Whitted | IntegratorKind::Path => true,
+            IntegratorKind::Shaded | IntegratorKind::Ao => false,
+        };
+        let world = World::new(
+            frame,
+            settings.background,
+            settings.with_attributes,
+            scatters,
+        );
+        Self {
+            media: MediumStack::at(frame, settings.eye),
+            ambient: Ambient::new(frame),
+            gloss: frame
+                .materials
+                .iter()
+                .map(|material| Gloss::new(material.specular, material.roughness))
+                .collect(),
+            settings: settings.clone(),
+            world,
+        }
+    }
+
+    /// What `ray` (from the eye, unit direction) sees, with the random numbers of its sample.
+    pub fn sample(
+        &self,
+        ray: &Ray,
+        sampler: &mut PixelSampler,
+        scratch: &mut ShadeScratch,
+    ) -> Seen {
+        scratch.rays.primary += 1;
+        scratch.attributes.all.clear();
+        let gathered = match self.settings.integrator.kind {
+            IntegratorKind::Shaded => self.shaded(ray, scratch),
+            IntegratorKind::Whitted => self.whitted(ray, scratch),
+            IntegratorKind::Ao => self.ambient_occlusion(ray, sampler, scratch),
+            IntegratorKind::Path => self.path(ray, sampler, scratch),
+        };
+        let Some((hit, color)) = gathered.first else {
+            return Seen {
+                radiance: gathered.radiance.to_array(),
+                coverage: f32::from(u8::from(gathered.is_covered)),
+                backdrop: f32::from(u8::from(!gathered.is_covered)),
+                albedo: [0.0; 3],
+                hit: None,
+                row: None,
+            };
+        };
+        self.world.fill_attributes(&hit, scratch);
+        let opacity = self.world.opacity(&hit);
+        let radiance = match self.settings.background {
+            // A file without background keeps the whole ground for whoever composes it.
+            Background::Transparent => gathered.radiance,
+            _ => gathered.radiance * opacity + self.world.behind(ray.direction) * (1.0 - opacity),
+        };
+        Seen {
+            radiance: radiance.to_array(),
+            coverage: 1.0,
+            backdrop: 1.0 - opacity,
+            albedo: color.to_array(),
+            hit: Some(hit),
+            row: self.world.row(&hit),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

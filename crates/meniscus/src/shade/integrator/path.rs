@@ -1,0 +1,280 @@
+//! Integrator `path`: unbiased path tracing up to its depth limits, with next-event estimation and
+//! multiple importance sampling by the power heuristic (Veach, "Robust Monte Carlo Methods for Light
+//! Transport Simulation", 1997, §9.2), and Russian roulette.
+
+use super::{Gathered, Shader};
+use crate::intersect::Hit;
+use crate::math::ray::Ray;
+use crate::math::sampling::PixelSampler;
+use crate::scene::Background;
+use crate::shade::ShadeScratch;
+use crate::shade::bsdf::Scattering;
+use crate::shade::light::Found;
+use crate::shade::medium::MediumStack;
+use crate::shade::world::{Interaction, count, passed};
+use glam::{DVec3, Vec3};
+
+/// Draws from the sampler per surface.
+const DRAWS: u32 = 5;
+/// Surfaces before Russian roulette begins.
+const SURE_SURFACES: u32 = 4;
+/// Largest probability of going on once it has begun.
+const MOST_SURVIVAL: f32 = 0.95;
+/// Roughness at least of mirrors that rough surfaces see where caustics are left out.
+const BLURRED_ROUGHNESS: f64 = 0.5;
+/// Boundaries between media of which neither fills the place that a path crosses in all.
+const MAX_FALSE_BOUNDARIES: u32 = 256;
+
+/// A path on its way.
+struct Path {
+    ray: Ray,
+    media: MediumStack,
+    throughput: Vec3,
+    light: Vec3,
+    /// Surfaces that scattered it so far, and by kind: diffuse, reflection, refraction.
+    surfaces: u32,
+    kinds: [u32; 3],
+    /// Where it was scattered last and the density of its direction there; infinite behind the eye
+    /// and behind mirrors.
+    scattered_at: DVec3,
+    density: f64,
+    /// Whether a surface that spreads light lies behind it.
+    is_spread: bool,
+}
+
+fn power_heuristic(density: f64, other: f64) -> f32 {
+    if density.is_infinite() {
+        return 1.0;
+    }
+    let [a, b] = [density * density, other * other];
+    (a / (a + b)) as f32
+}
+
+impl Shader<'_> {
+    pub(super) fn path(
+        &self,
+        ray: &Ray,
+        sampler: &mut PixelSampler,
+        scratch: &mut ShadeScratch,
+    ) -> Gathered {
+        let world = &self.world;
+        let mut path = Path {
+            ray: *ray,
+            media: self.media,
+            throughput: Vec3::ONE,
+            light: Vec3::ZERO,
+            surfaces: 0,
+            kinds: [0; 3],
+            scattered_at: ray.origin,
+            density: f64::INFINITY,
+            is_spread: false,
+        };
+        let mut first = None;
+        let mut is_covered = false;
+        let mut false_boundaries = 0;
+        loop {
+            let hit = world.frame.closest_hit(&path.ray, &mut scratch.trace);
+            let end = hit.map_or(f64::INFINITY, |hit| hit.t);
+            if let Some((t, found)) = world.lights.met(path.ray.origin, path.ray.direction, end) {
+                let left = world.absorbed(&path.ray, t, &path.media, scratch);
+                path.throughput *= left;
+                self.add_found(&mut path, found);
+                is_covered = true;
+                break;
+            }
+            path.throughput *= world.absorbed(&path.ray, end, &path.media, scratch);
+            let Some(hit) = hit else {
+                self.add_escaped(&mut path);
+                break;
+            };
+            is_covered = true;
+            let least_roughness = if path.is_spread && !self.settings.integrator.caustics {
+                BLURRED_ROUGHNESS
+            } else {
+                0.0
+            };
+            let found = world.interaction(&path.ray, hit, &path.media, least_roughness, scratch);
+            let Some(point) = found else {
+                false_boundaries += 1;
+                if false_boundaries > MAX_FALSE_BOUNDARIES {
+                    break;
+                }
+                path.media = path.media.crossed(hit.surface, hit.entering);
+                path.ray = passed(&path.ray, &hit);
+                continue;
+            };
+            if first.is_none() {
+                first = Some((hit, point.color));
+            } else if !self.fade(&mut path, &hit) {
+                break;
+            }
+            if path.surfaces >= self.settings.integrator.depth {
+                break;
+            }
+            sampler.skip_to(1 + path.surfaces * DRAWS);
+            path.surfaces += 1;
+            self.add_direct(&mut path, &point, sampler, scratch);
+            if !self.scatter(&mut path, &point, sampler, scratch) {
+                break;
+            }
+        }
+        Gathered {
+            radiance: path.light,
+            first,
+            is_covered,
+        }
+    }
+
+    /// The ground fades into what surrounds the scene; false where nothing is left of it.
+    fn fade(&self, path: &mut Path, hit: &Hit) -> bool {
+        let opacity = self.world.opacity(hit);
+        if opacity < 1.0 {
+            let behind = self.world.lights.surroundings(path.ray.direction);
+            self.add(path, behind * (1.0 - opacity));
+            path.throughput *= opacity;
+        }
+        opacity > 0.0
+    }
+
+    /// Adds radiance that the path sees at its end.
+    fn add(&self, path: &mut Path, radiance: Vec3) {
+        let mut light = path.throughput * radiance;
+        if let Some(clamp) = self.settings.integrator.clamp
+            && path.surfaces > 1
+        {
+            let largest = light.max_element();
+            if largest > clamp as f32 {
+                light *= clamp as f32 / largest;
+            }
+        }
+        path.light += light;
+    }
+
+    /// Adds a light that the path ran into.
+    fn add_found(&self, path: &mut Path, found: Found) {
+        let lights = &self.world.lights;
+        let weight = if path.density.is_infinite() {
+            // Where caustics are left out, such lights were counted straight through the surface.
+            let left_out = !self.settings.integrator.caustics
+                && path.is_spread
+                && lights.is_drawn(found.emitter);
+            f32::from(u8::from(!left_out))
+        } else {
+            let other = lights.density(found.emitter, path.scattered_at, path.ray.direction);
+            power_heuristic(path.density, other)
+        };
+        let scale = self.world.emission_scale(&path.media);
+        self.add(path, found.radiance * (weight * scale));
+    }
+
+    /// Adds what surrounds the scene.
+    fn add_escaped(&self, path: &mut Path) {
+        let world = &self.world;
+        let direction = path.ray.direction;
+        if path.surfaces == 0 && self.settings.background != Background::Sky {
+            return;
+        }
+        for found in world.lights.escaped(direction) {
+            self.add_found(path, found);
+        }
+        // Seen in mirrors and through clear surfaces, too.
+        let shows_default_sky =
+            self.settings.background == Background::Sky && !world.lights.has_surroundings();
+        if shows_default_sky && !path.is_spread {
+            let sky = world.backdrop(direction);
+            self.add(path, sky);
+        }
+    }
+
+    /// Next-event estimation: light that comes straight from a drawn light.
+    fn add_direct(
+        &self,
+        path: &mut Path,
+        point: &Interaction<'_>,
+        sampler: &mut PixelSampler,
+        scratch: &mut ShadeScratch,
+    ) {
+        let world = &self.world;
+        let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+        if !point.bsdf.is_spread() {
+            return;
+        }
+        let position = point.hit.position;
+        let Some((emitter, light)) = world.lights.sample(position, choice, u) else {
+            return;
+        };
+        let local = point.to_local(light.towards);
+        let on_viewers_side = local.z > 0.0;
+        if !on_viewers_side && !point.bsdf.is_two_sided() {
+            return;
+        }
+        let scattered = point.bsdf.evaluate(point.view, local);
+        if scattered == Vec3::ZERO {
+            return;
+        }
+        let ray = point.leaving(light.towards, on_viewers_side, path.ray.time);
+        let media = if on_viewers_side {
+            path.media
+        } else {
+            point.beyond
+        };
+        let straight = !self.settings.integrator.caustics && world.lights.is_drawn(emitter);
+        let reach = world.reach(ray, light.distance, media, straight, scratch);
+        if reach.part == Vec3::ZERO {
+            return;
+        }
+        // Behind clear surfaces scattered rays do not count, so nothing shares with this one.
+        let weight = if reach.went_through {
+            1.0
+        } else {
+            power_heuristic(light.density, point.bsdf.density(point.view, local))
+        };
+        self.add(path, scattered * light.weight * reach.part * weight);
+    }
+
+    /// Sends the path on; false where it ends.
+    fn scatter(
+        &self,
+        path: &mut Path,
+        point: &Interaction<'_>,
+        sampler: &mut PixelSampler,
+        scratch: &mut ShadeScratch,
+    ) -> bool {
+        let [choice, survival] = [sampler.next_1d(), sampler.next_1d()];
+        let Some(sample) = point.bsdf.sample(point.view, choice, sampler.next_2d()) else {
+            return false;
+        };
+        path.throughput *= sample.weight;
+        if path.throughput.max_element() <= 0.0 {
+            return false;
+        }
+        let settings = &self.settings.integrator;
+        let (kind, limit) = match sample.scattering {
+            Scattering::Diffuse => (0, settings.diffuse_depth),
+            Scattering::Reflection => (1, settings.glossy_depth),
+            Scattering::Refraction => (2, settings.transmission_depth),
+        };
+        path.kinds[kind] += 1;
+        if limit.is_some_and(|limit| path.kinds[kind] > limit) {
+            return false;
+        }
+        if path.surfaces >= SURE_SURFACES {
+            let probability = path.throughput.max_element().min(MOST_SURVIVAL);
+            if survival as f32 >= probability {
+                return false;
+            }
+            path.throughput /= probability;
+        }
+        let on_viewers_side = sample.light.z > 0.0;
+        if !on_viewers_side {
+            path.media = point.beyond;
+        }
+        let direction = point.to_world(sample.light);
+        path.ray = point.leaving(direction, on_viewers_side, path.ray.time);
+        path.scattered_at = point.hit.position;
+        path.density = sample.density;
+        path.is_spread |= !sample.is_only_direction();
+        count(&mut scratch.rays, sample.scattering);
+        true
+    }
+}

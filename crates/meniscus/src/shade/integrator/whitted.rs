@@ -1,0 +1,189 @@
+//! Integrator `whitted`: a tree of mirrored and refracted rays with hard shadows (Whitted, "An Improved
+//! Illumination Model for Shaded Display", 1980). Rough surfaces mirror sharply, clear ones let the
+//! light of lamps through without bending it, and what surrounds the scene lights unshaded.
+
+use super::{Gathered, Shader};
+use crate::intersect::Hit;
+use crate::math::ray::Ray;
+use crate::scene::MaterialKind;
+use crate::shade::ShadeScratch;
+use crate::shade::bsdf::{Bsdf, Scattering, dielectric_reflectance};
+use crate::shade::medium::MediumStack;
+use crate::shade::world::{Interaction, count, passed};
+use glam::{DVec3, Vec3};
+
+/// Branches that can change a picture by less than this are not followed.
+const LEAST_WEIGHT: f32 = 1e-3;
+/// Boundaries between media of which neither fills the place that one branch crosses.
+const MAX_FALSE_BOUNDARIES: u32 = 64;
+
+/// What one ray of the tree found.
+struct Seen {
+    light: Vec3,
+    first: Option<(Hit, Vec3)>,
+    is_covered: bool,
+}
+
+impl Seen {
+    fn light(light: Vec3, is_covered: bool) -> Self {
+        Self {
+            light,
+            first: None,
+            is_covered,
+        }
+    }
+}
+
+impl Shader<'_> {
+    pub(super) fn whitted(&self, ray: &Ray, scratch: &mut ShadeScratch) -> Gathered {
+        let seen = self.branch(*ray, self.media, 0, 1.0, scratch);
+        Gathered {
+            radiance: seen.light,
+            first: seen.first,
+            is_covered: seen.is_covered,
+        }
+    }
+
+    /// Light along `ray`, which counts with `weight` in the picture and was turned `level` times.
+    fn branch(
+        &self,
+        mut ray: Ray,
+        mut media: MediumStack,
+        level: u32,
+        weight: f32,
+        scratch: &mut ShadeScratch,
+    ) -> Seen {
+        let world = &self.world;
+        let mut left = Vec3::ONE;
+        for _ in 0..MAX_FALSE_BOUNDARIES {
+            let hit = world.frame.closest_hit(&ray, &mut scratch.trace);
+            let end = hit.map_or(f64::INFINITY, |hit| hit.t);
+            if let Some((t, found)) = world.lights.met(ray.origin, ray.direction, end) {
+                left *= world.absorbed(&ray, t, &media, scratch);
+                let scale = world.emission_scale(&media);
+                return Seen::light(left * found.radiance * scale, true);
+            }
+            left *= world.absorbed(&ray, end, &media, scratch);
+            let Some(hit) = hit else {
+                let behind = if level == 0 {
+                    world.behind(ray.direction)
+                } else {
+                    world.surroundings_or_backdrop(ray.direction)
+                };
+                return Seen::light(left * behind, false);
+            };
+            if let Some(point) = world.interaction(&ray, hit, &media, 0.0, scratch) {
+                let mut light = self.turned(&ray, &point, &media, level, weight, scratch);
+                let opacity = world.opacity(&hit);
+                if level > 0 && opacity < 1.0 {
+                    let behind = world.surroundings_or_backdrop(ray.direction);
+                    light = light * opacity + behind * (1.0 - opacity);
+                }
+                return Seen {
+                    light: left * light,
+                    first: Some((hit, point.color)),
+                    is_covered: true,
+                };
+            }
+            media = media.crossed(hit.surface, hit.entering);
+            ray = passed(&ray, &hit);
+        }
+        Seen::light(Vec3::ZERO, true)
+    }
+
+    /// Light from a surface towards the viewer.
+    fn turned(
+        &self,
+        ray: &Ray,
+        point: &Interaction<'_>,
+        media: &MediumStack,
+        level: u32,
+        weight: f32,
+        scratch: &mut ShadeScratch,
+    ) -> Vec3 {
+        let world = &self.world;
+        let mut light = self.direct(ray, point, media, scratch);
+        let cosine = point.view.z;
+        let mirror = DVec3::new(-point.view.x, -point.view.y, cosine);
+        let mut follow = |local: DVec3, part: Vec3, scattering: Scattering| -> Vec3 {
+            let weight = weight * part.max_element();
+            if weight < LEAST_WEIGHT || level + 1 >= self.settings.integrator.depth {
+                return Vec3::ZERO;
+            }
+            let on_viewers_side = local.z > 0.0;
+            let ray = point.leaving(point.to_world(local), on_viewers_side, ray.time);
+            let media = if on_viewers_side {
+                *media
+            } else {
+                point.beyond
+            };
+            count(&mut scratch.rays, scattering);
+            part * self.branch(ray, media, level + 1, weight, scratch).light
+        };
+        let (material, _) = world.material(point.hit.surface);
+        match material.kind {
+            MaterialKind::Diffuse | MaterialKind::Foam => {
+                light += point.color * self.ambient.diffuse(point.normal());
+            }
+            MaterialKind::Glossy | MaterialKind::Plastic => {
+                let Bsdf::Plastic(plastic) = &point.bsdf else {
+                    return light + point.color * self.ambient.diffuse(point.normal());
+                };
+                let coat = plastic.coat_reflectance(cosine) as f32;
+                light += point.color * self.ambient.diffuse(point.normal()) * (1.0 - coat);
+                light += follow(mirror, Vec3::splat(coat), Scattering::Reflection);
+            }
+            MaterialKind::Metal | MaterialKind::Mirror => {
+                if let Bsdf::Conductor(conductor) = &point.bsdf {
+                    let part = conductor.facet_reflectance(cosine);
+                    light += follow(mirror, part, Scattering::Reflection);
+                }
+            }
+            MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water => {
+                let [ior, beyond] = [media.ior(world.frame), point.beyond.ior(world.frame)];
+                let eta = ior / beyond;
+                let (reflectance, other) = dielectric_reflectance(cosine, eta);
+                let part = Vec3::splat(reflectance as f32);
+                light += follow(mirror, part, Scattering::Reflection);
+                if let Some(other) = other {
+                    let refracted = DVec3::new(-eta * point.view.x, -eta * point.view.y, -other);
+                    light += follow(refracted, Vec3::ONE - part, Scattering::Refraction);
+                }
+            }
+        }
+        light
+    }
+
+    /// Light of lamps, each as one direction.
+    fn direct(
+        &self,
+        ray: &Ray,
+        point: &Interaction<'_>,
+        media: &MediumStack,
+        scratch: &mut ShadeScratch,
+    ) -> Vec3 {
+        if !point.bsdf.is_spread() {
+            return Vec3::ZERO;
+        }
+        let mut sum = Vec3::ZERO;
+        for light in self.world.lights.hard(point.hit.position) {
+            let local = point.to_local(light.towards);
+            let scattered = point.bsdf.evaluate(point.view, local);
+            if scattered == Vec3::ZERO {
+                continue;
+            }
+            let on_viewers_side = local.z > 0.0;
+            let media = if on_viewers_side {
+                *media
+            } else {
+                point.beyond
+            };
+            let shadow = point.leaving(light.towards, on_viewers_side, ray.time);
+            let reach = self
+                .world
+                .reach(shadow, light.distance, media, true, scratch);
+            sum += scattered * light.weight * reach.part;
+        }
+        sum
+    }
+}

@@ -1,0 +1,458 @@
+//! What integrators share: looks of surfaces, media, lights in the way of nothing.
+
+use super::attributes::AttributeLayout;
+use super::bsdf::{
+    Bsdf, Coat, Conductor, Dielectric, Diffuse, Foam, Plastic, RoughBoundary,
+    dielectric_reflectance,
+};
+use super::light::{Lights, Sky};
+use super::medium::MediumStack;
+use super::rays::{RayCounts, ShadeScratch};
+use crate::frame::{BaseColor, Frame, Geometry, Material, Scaling};
+use crate::intersect::Hit;
+use crate::math::ray::{Ray, Side};
+use crate::math::sampling::tangents;
+use crate::scene::{Background, Light as LightSettings, MaterialKind};
+use glam::{DVec3, Vec3};
+
+/// Points along a way through a medium at which its absorption is looked at where it varies.
+const ABSORPTION_STEPS: u32 = 8;
+/// Clear surfaces that a ray crosses in a straight line before it counts as stopped.
+const MAX_CROSSINGS: u32 = 64;
+
+/// What a material needs beside its numbers, made once.
+#[derive(Debug)]
+enum Prepared {
+    Diffuse,
+    Conductor,
+    Coated(Box<Coat>),
+    Clear(Option<Box<RoughBoundary>>),
+    Foam,
+}
+
+impl Prepared {
+    fn new(material: &Material) -> Self {
+        match material.kind {
+            MaterialKind::Glossy if material.specular > 0.0 => {
+                // Index 1.5 reflects 0.04 head on.
+                Self::Coated(Box::new(Coat::new(1.5, f64::from(material.specular))))
+            }
+            MaterialKind::Glossy | MaterialKind::Diffuse => Self::Diffuse,
+            MaterialKind::Plastic => Self::Coated(Box::new(Coat::new(material.ior, 1.0))),
+            MaterialKind::Metal | MaterialKind::Mirror => Self::Conductor,
+            MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water => {
+                let is_rough = material.roughness > 0.0 || material.roughness_by.is_some();
+                Self::Clear(is_rough.then(|| Box::new(RoughBoundary::new(material.ior))))
+            }
+            MaterialKind::Foam => Self::Foam,
+        }
+    }
+}
+
+/// A surface point, seen from one side.
+pub(super) struct Interaction<'a> {
+    /// The hit.
+    pub(super) hit: Hit,
+    /// Base colour.
+    pub(super) color: Vec3,
+    /// How it scatters.
+    pub(super) bsdf: Bsdf<'a>,
+    /// Towards the viewer, in the surface's frame: z > 0.
+    pub(super) view: DVec3,
+    /// The frame; the last axis is the normal on the viewer's side.
+    axes: [DVec3; 3],
+    /// Media behind the surface; those in front of it if it is opaque.
+    pub(super) beyond: MediumStack,
+}
+
+impl Interaction<'_> {
+    /// World direction of one in the surface's frame.
+    pub(super) fn to_world(&self, local: DVec3) -> DVec3 {
+        let [x, y, z] = self.axes;
+        (x * local.x + y * local.y + z * local.z).normalize()
+    }
+
+    /// A world direction in the surface's frame.
+    pub(super) fn to_local(&self, world: DVec3) -> DVec3 {
+        DVec3::from_array(self.axes.map(|axis| axis.dot(world)))
+    }
+
+    /// The normal on the viewer's side.
+    pub(super) fn normal(&self) -> DVec3 {
+        self.axes[2]
+    }
+
+    /// The ray that leaves in world direction `direction`, which lies on the viewer's side or beyond.
+    /// It states its side, so it starts on the surface itself.
+    pub(super) fn leaving(&self, direction: DVec3, on_viewers_side: bool, time: f64) -> Ray {
+        let side = if self.hit.entering == on_viewers_side {
+            Side::Outside
+        } else {
+            Side::Inside
+        };
+        Ray {
+            time,
+            side,
+            side_of: Some(self.hit.surface),
+            ..Ray::new(self.hit.position, direction)
+        }
+    }
+}
+
+/// The part of a light that reaches a point, and whether it went through clear surfaces.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    /// What is left of it.
+    pub(super) part: Vec3,
+    /// Whether something clear was in between.
+    pub(super) went_through: bool,
+}
+
+impl Reach {
+    const NOTHING: Self = Self {
+        part: Vec3::ZERO,
+        went_through: false,
+    };
+}
+
+/// A frame, ready to be shaded.
+pub(super) struct World<'a> {
+    pub(super) frame: &'a Frame,
+    pub(super) lights: Lights,
+    background: Background,
+    /// Stands behind everything in a scene that has nothing around it.
+    default_sky: Sky,
+    prepared: Vec<Prepared>,
+    has_clear: bool,
+    /// If all attributes are wanted at every first hit.
+    attributes: Option<AttributeLayout>,
+}
+
+impl<'a> World<'a> {
+    /// Without `scatters` nothing is prepared for [`World::interaction`].
+    pub(super) fn new(
+        frame: &'a Frame,
+        background: Background,
+        with_attributes: bool,
+        scatters: bool,
+    ) -> Self {
+        let prepared = if scatters {
+            frame.materials.iter().map(Prepared::new).collect()
+        } else {
+            Vec::new()
+        };
+        Self {
+            frame,
+            lights: Lights::new(frame),
+            background,
+            default_sky: default_sky(),
+            prepared,
+            has_clear: frame.materials.iter().any(|m| m.kind.is_clear()),
+            attributes: with_attributes.then(|| AttributeLayout::new(frame)),
+        }
+    }
+
+    /// Material of a surface, and its index.
+    pub(super) fn material(&self, surface: u32) -> (&'a Material, usize) {
+        let index = self.frame.instances[surface as usize].material as usize;
+        (&self.frame.materials[index], index)
+    }
+
+    /// Light from where no surface is, as far as the eye's own rays show it: without suns.
+    pub(super) fn behind(&self, direction: DVec3) -> Vec3 {
+        match self.background {
+            Background::Sky => self.backdrop(direction),
+            Background::Transparent | Background::Color(_) => Vec3::ZERO,
+        }
+    }
+
+    /// What surrounds the scene, or a default sky.
+    pub(super) fn backdrop(&self, direction: DVec3) -> Vec3 {
+        if self.lights.has_surroundings() {
+            self.lights.surroundings(direction)
+        } else {
+            self.default_sky
+                .radiance(direction.dot(self.frame.up) as f32)
+        }
+    }
+
+    /// What mirrors and clear surfaces show where a ray leaves everything behind.
+    pub(super) fn surroundings_or_backdrop(&self, direction: DVec3) -> Vec3 {
+        if self.background == Background::Sky {
+            self.backdrop(direction)
+        } else {
+            self.lights.surroundings(direction)
+        }
+    }
+
+    /// How much of a hit's own look is left; less than 1 only on the ground, far away.
+    pub(super) fn opacity(&self, hit: &Hit) -> f32 {
+        match &self.frame.ground {
+            Some(ground) if ground.surface == hit.surface => ground.opacity(hit.position),
+            _ => 1.0,
+        }
+    }
+
+    /// Row in its file of the strongest particle at a hit.
+    pub(super) fn row(&self, hit: &Hit) -> Option<u32> {
+        let instance = &self.frame.instances[hit.surface as usize];
+        match (&self.frame.geometries[instance.geometry as usize], hit.blob) {
+            (Geometry::Blobs(blobs), Some(blob)) => blobs.field.rows.get(blob as usize).copied(),
+            _ => None,
+        }
+    }
+
+    /// Fills the attribute buffer at the eye's hit where all attributes are wanted.
+    pub(super) fn fill_attributes(&self, hit: &Hit, scratch: &mut ShadeScratch) {
+        if let Some(layout) = &self.attributes {
+            scratch
+                .attributes
+                .gather(self.frame, hit.surface, hit.position);
+            scratch.attributes.fill_all(self.frame, hit, layout);
+        }
+    }
+
+    /// Base colour and roughness at a hit.
+    pub(super) fn look(&self, hit: &Hit, scratch: &mut ShadeScratch) -> (Vec3, f64) {
+        let (material, _) = self.material(hit.surface);
+        let by_attribute =
+            !matches!(material.base, BaseColor::Constant(_)) || material.roughness_by.is_some();
+        if by_attribute {
+            scratch
+                .attributes
+                .gather(self.frame, hit.surface, hit.position);
+        }
+        let color = self.color(&material.base, hit.surface, scratch);
+        let roughness = match &material.roughness_by {
+            None => material.roughness,
+            Some(scaling) => self.number(scaling, hit.surface, scratch).clamp(0.0, 1.0),
+        };
+        (Vec3::from_array(color), f64::from(roughness))
+    }
+
+    /// A colour at the point that was gathered last.
+    fn color(&self, base: &BaseColor, surface: u32, scratch: &mut ShadeScratch) -> [f32; 3] {
+        match base {
+            BaseColor::Constant(color) => *color,
+            BaseColor::Direct(attribute) => {
+                match *scratch.attributes.value(self.frame, surface, *attribute) {
+                    [r, g, b] => [r, g, b],
+                    _ => [0.0; 3],
+                }
+            }
+            BaseColor::Attribute(coloring) => {
+                let attribute = coloring.attribute;
+                coloring.color(scratch.attributes.value(self.frame, surface, attribute))
+            }
+        }
+    }
+
+    /// A scaled attribute at the point that was gathered last.
+    fn number(&self, scaling: &Scaling, surface: u32, scratch: &mut ShadeScratch) -> f32 {
+        let attribute = scaling.attribute;
+        scaling.number(scratch.attributes.value(self.frame, surface, attribute))
+    }
+
+    /// The surface point that a ray in `media` hits; `None` where the boundary is none, because
+    /// another medium fills the place on both sides. Opaque surfaces have at least the roughness
+    /// `least_roughness`.
+    pub(super) fn interaction(
+        &self,
+        ray: &Ray,
+        hit: Hit,
+        media: &MediumStack,
+        least_roughness: f64,
+        scratch: &mut ShadeScratch,
+    ) -> Option<Interaction<'_>> {
+        let (material, index) = self.material(hit.surface);
+        let beyond = if material.kind.is_clear() {
+            let beyond = media.crossed(hit.surface, hit.entering);
+            if beyond.filling(self.frame) == media.filling(self.frame) {
+                return None;
+            }
+            beyond
+        } else {
+            *media
+        };
+        let (color, roughness) = self.look(&hit, scratch);
+        let blurred = roughness.max(least_roughness);
+        let bsdf = match &self.prepared[index] {
+            Prepared::Diffuse => Bsdf::Diffuse(Diffuse { color }),
+            Prepared::Conductor => Bsdf::Conductor(Conductor::new(color, blurred)),
+            Prepared::Coated(coat) => Bsdf::Plastic(Plastic::new(coat, color, blurred)),
+            Prepared::Clear(boundary) => {
+                let indices = [media.ior(self.frame), beyond.ior(self.frame)];
+                Bsdf::Dielectric(Dielectric::new(indices, roughness, boundary.as_deref()))
+            }
+            Prepared::Foam => Bsdf::Foam(Foam {
+                color,
+                translucency: f64::from(material.translucency),
+            }),
+        };
+        // Clear surfaces refract by the face, so that what goes in comes out; a shading normal must not
+        // turn away from the viewer.
+        let outward = if material.kind.is_clear() {
+            hit.normal
+        } else {
+            hit.shading_normal
+        };
+        let towards = if hit.entering { 1.0 } else { -1.0 };
+        let normal = if (outward * towards).dot(ray.direction) < 0.0 {
+            outward * towards
+        } else {
+            hit.normal * towards
+        };
+        let [x, y] = tangents(normal);
+        let axes = [x, y, normal];
+        let mut view = DVec3::from_array(axes.map(|axis| -axis.dot(ray.direction)));
+        // Where a ray grazes the surface, the rounded normal may look away from it.
+        view.z = view.z.max(1e-5);
+        Some(Interaction {
+            hit,
+            color,
+            bsdf,
+            view: view.normalize(),
+            axes,
+            beyond,
+        })
+    }
+
+    /// What is left of light after `distance` along a ray in `media` (Beer and Lambert). Where the
+    /// absorption varies its mean is taken by the midpoint rule.
+    pub(super) fn absorbed(
+        &self,
+        ray: &Ray,
+        distance: f64,
+        media: &MediumStack,
+        scratch: &mut ShadeScratch,
+    ) -> Vec3 {
+        let Some(surface) = media.filling(self.frame) else {
+            return Vec3::ONE;
+        };
+        let absorption = &self.material(surface).0.absorption;
+        let coefficients = match absorption.constant() {
+            Some(coefficients) => Vec3::from_array(coefficients),
+            None if !distance.is_finite() => Vec3::ZERO,
+            None => {
+                let mut sum = Vec3::ZERO;
+                for step in 0..ABSORPTION_STEPS {
+                    let along = (f64::from(step) + 0.5) / f64::from(ABSORPTION_STEPS);
+                    scratch
+                        .attributes
+                        .gather(self.frame, surface, ray.at(along * distance));
+                    let left = self.color(&absorption.left, surface, scratch);
+                    let density = match &absorption.density {
+                        None => 1.0,
+                        Some(scaling) => self.number(scaling, surface, scratch).max(0.0),
+                    };
+                    sum += Vec3::from_array(absorption.coefficients(left)) * density;
+                }
+                sum / ABSORPTION_STEPS as f32
+            }
+        };
+        // Without absorption infinite ways are clear: 0 · ∞ is not a number.
+        Vec3::from_array(coefficients.to_array().map(|c| {
+            if c > 0.0 {
+                (-c * distance as f32).exp()
+            } else {
+                1.0
+            }
+        }))
+    }
+
+    /// How much of the light from `distance` along `ray` arrives. Clear surfaces stop it; or, if
+    /// `straight`, they let through what they do not reflect, without bending it.
+    pub(super) fn reach(
+        &self,
+        mut ray: Ray,
+        mut distance: f64,
+        mut media: MediumStack,
+        straight: bool,
+        scratch: &mut ShadeScratch,
+    ) -> Reach {
+        scratch.rays.shadow += 1;
+        if !(straight && self.has_clear) {
+            ray.t_max = distance;
+            if self.frame.any_hit(&ray, &mut scratch.trace) {
+                return Reach::NOTHING;
+            }
+            let emission = self.emission_scale(&media);
+            return Reach {
+                part: self.absorbed(&ray, distance, &media, scratch) * emission,
+                went_through: false,
+            };
+        }
+        let mut reach = Reach {
+            part: Vec3::ONE,
+            went_through: false,
+        };
+        for _ in 0..MAX_CROSSINGS {
+            ray.t_max = distance;
+            let Some(hit) = self.frame.closest_hit(&ray, &mut scratch.trace) else {
+                let left = self.absorbed(&ray, distance, &media, scratch);
+                reach.part *= left * self.emission_scale(&media);
+                return reach;
+            };
+            if !self.material(hit.surface).0.kind.is_clear() {
+                return Reach::NOTHING;
+            }
+            reach.went_through = true;
+            reach.part *= self.absorbed(&ray, hit.t, &media, scratch);
+            let beyond = media.crossed(hit.surface, hit.entering);
+            let [ior, ior_beyond] = [media.ior(self.frame), beyond.ior(self.frame)];
+            let cosine = hit.normal.dot(ray.direction).abs().min(1.0);
+            reach.part *= 1.0 - dielectric_reflectance(cosine, ior / ior_beyond).0 as f32;
+            if reach.part.max_element() <= 0.0 {
+                return Reach::NOTHING;
+            }
+            media = beyond;
+            distance -= hit.t;
+            ray = passed(&ray, &hit);
+        }
+        Reach::NOTHING
+    }
+
+    /// Radiance of a light over what it is transported as: a lamp in a medium of index n has the basic
+    /// radiance L/n².
+    pub(super) fn emission_scale(&self, media: &MediumStack) -> f32 {
+        let ior = media.ior(self.frame);
+        (1.0 / (ior * ior)) as f32
+    }
+}
+
+/// A ray that starts at a hit on the viewer's side; its direction is still the viewer's.
+pub(super) fn back_from(ray: &Ray, hit: &Hit) -> Ray {
+    let behind = passed(ray, hit);
+    behind.with_side(behind.side.flipped())
+}
+
+/// The ray behind a surface that does not turn it.
+pub(super) fn passed(ray: &Ray, hit: &Hit) -> Ray {
+    Ray {
+        time: ray.time,
+        side: if hit.entering {
+            Side::Inside
+        } else {
+            Side::Outside
+        },
+        side_of: Some(hit.surface),
+        ..Ray::new(hit.position, ray.direction)
+    }
+}
+
+/// Counts a ray by what scattered it.
+pub(super) fn count(rays: &mut RayCounts, scattering: super::bsdf::Scattering) {
+    use super::bsdf::Scattering;
+    match scattering {
+        Scattering::Diffuse => rays.diffuse += 1,
+        Scattering::Reflection => rays.reflection += 1,
+        Scattering::Refraction => rays.refraction += 1,
+    }
+}
+
+/// What stands behind the surfaces of a scene that has no sky of its own.
+fn default_sky() -> Sky {
+    let sky = LightSettings::sky();
+    let color = sky.color.unwrap_or(crate::scene::Color::WHITE).0;
+    Sky::new(color.map(|c| (c * sky.intensity) as f32))
+}
