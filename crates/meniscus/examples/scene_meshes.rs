@@ -10,15 +10,16 @@ use std::path::PathBuf;
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
-    std::fs::write(folder.join("tank.obj"), tank(0.03, 0.5))?;
+    std::fs::write(folder.join("tank.obj"), tank(0.03, 0.012, 0.5))?;
     std::fs::write(folder.join("ring.obj"), ring(1.0, 0.12, [64, 16]))
 }
 
-/// An open-topped tank around the unit square: one closed solid, z up.
-fn tank(wall: f64, height: f64) -> String {
-    let mut text = "# a tank: inside 1 x 1, z up; one closed solid\n".to_owned();
+/// An open-topped tank around the unit square: one closed solid, z up. Its walls reach `lap` into the
+/// square, so that there is no gap between them and what fills it.
+fn tank(wall: f64, lap: f64, height: f64) -> String {
+    let mut text = "# a tank around the unit square, z up; one closed solid\n".to_owned();
     // Rings of corners from the middle of the outer bottom up, over the rim and down to the inner one.
-    let rings = [(-wall, -wall), (-wall, height), (0.0, height), (0.0, 0.0)];
+    let rings = [(-wall, -wall), (-wall, height), (lap, height), (lap, lap)];
     for (inset, z) in rings {
         let (low, high) = (inset, 1.0 - inset);
         for (x, y) in [(low, low), (high, low), (high, high), (low, high)] {

@@ -29,18 +29,19 @@ pub(super) fn contradicts(side: Side, entering: bool) -> bool {
 }
 
 impl Plane {
-    /// First crossing of an object-space ray: its parameter and whether it enters. A ray with a
-    /// stated side can only cross to the other one, so it does not hit the plane that it leaves.
-    pub fn closest(&self, ray: &Ray) -> Option<(f64, bool)> {
+    /// Crossing of an object-space ray: its parameter and whether it enters. A plane that a ray with a
+    /// stated side starts on, up to `origin_error`, is not hit from the other side.
+    pub fn closest(&self, ray: &Ray, origin_error: f64) -> Option<(f64, bool)> {
         let rate = ray.direction.dot(self.normal);
         let t = (self.point - ray.origin).dot(self.normal) / rate;
         let entering = rate < 0.0;
-        (!contradicts(ray.side, entering)
-            && ray.is_traceable()
+        let is_own_start = || self.height(ray.at(ray.t_min)).abs() <= origin_error;
+        (ray.is_traceable()
             && t.is_finite()
             && t >= ray.t_min
-            && t <= ray.t_max)
-            .then_some((t, entering))
+            && t <= ray.t_max
+            && !(contradicts(ray.side, entering) && is_own_start()))
+        .then_some((t, entering))
     }
 
     /// Height of a point above the plane.
@@ -126,6 +127,27 @@ mod tests {
             assert!((near * 0.5 - (distance - half)).abs() <= 4.0 * f64::EPSILON * distance);
             assert!((far * 0.5 - (distance + half)).abs() <= 4.0 * f64::EPSILON * distance);
         }
+    }
+
+    #[test]
+    fn a_plane_is_met_by_rays_within_something_else() {
+        let plane = Plane {
+            point: DVec3::new(5.0, -3.0, 1e6),
+            normal: DVec3::new(0.6, 0.8, 0.0),
+        };
+        let error = 256.0 * f64::EPSILON * 1e6;
+        let along = DVec3::new(0.8, -0.6, 0.3);
+        let start = plane.point + along * 7.0;
+        for lift in [1.0, 1e-4, 1e-8] {
+            let up = Ray::new(start, along + plane.normal * lift).with_side(Side::Outside);
+            assert_eq!(plane.closest(&up, error), None);
+            let down = Ray::new(start, along - plane.normal * lift).with_side(Side::Inside);
+            assert_eq!(plane.closest(&down, error), None);
+        }
+        // A ray inside water above the plane says so of every surface.
+        let from_above = Ray::new(start + plane.normal, -plane.normal).with_side(Side::Inside);
+        let (t, entering) = plane.closest(&from_above, error).unwrap();
+        assert!((t - 1.0).abs() < 1e-9 && entering);
     }
 
     #[test]

@@ -162,12 +162,15 @@ impl Frame {
             }
             Geometry::Plane(plane) => {
                 let matrix = instance.object_from_world.matrix3.transpose();
-                for ((ray, hit), moved) in rays.iter().zip(&mut *hits).zip(moved) {
-                    if let Some((t, entering)) = plane.closest(moved) {
+                for (hit, moved) in hits.iter_mut().zip(moved) {
+                    let error = plane_error(instance, moved, plane);
+                    if let Some((t, entering)) = plane.closest(moved, error) {
                         let normal = (matrix * plane.normal).normalize_or_zero();
                         *hit = Some(Hit {
                             t,
-                            position: ray.at(t),
+                            position: instance
+                                .world_from_object
+                                .transform_point3(on_plane(plane, moved.at(t))),
                             normal,
                             shading_normal: normal,
                             surface: surface as u32,
@@ -290,7 +293,9 @@ impl Frame {
             }
             Geometry::Plane(plane) => {
                 for (hit, ray) in hits.iter_mut().zip(moved) {
-                    *hit |= plane.closest(ray).is_some();
+                    *hit |= plane
+                        .closest(ray, plane_error(instance, ray, plane))
+                        .is_some();
                 }
             }
         }
@@ -343,7 +348,7 @@ impl Frame {
                     crossings.extend(found.map(|(t, entering)| Crossing { t, entering }));
                 }
                 Geometry::Plane(plane) => {
-                    let found = plane.closest(&moved);
+                    let found = plane.closest(&moved, plane_error(instance, &moved, plane));
                     crossings.extend(found.map(|(t, entering)| Crossing { t, entering }));
                 }
             }
@@ -444,6 +449,11 @@ fn origin_error(instance: &Instance, moved: &Ray) -> f64 {
     let size = moved.at(moved.t_min).abs().max_element();
     let shift = instance.object_from_world.translation.abs().max_element();
     ORIGIN_ERROR * (size + shift)
+}
+
+/// [`origin_error`] for a plane, whose own coordinates may be larger.
+fn plane_error(instance: &Instance, moved: &Ray, plane: &Plane) -> f64 {
+    origin_error(instance, moved) + ORIGIN_ERROR * plane.point.abs().max_element()
 }
 
 /// The point of a plane below or above `point`.
