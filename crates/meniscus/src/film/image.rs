@@ -142,7 +142,7 @@ impl Image {
                 png::ColorType::Rgb
             });
             encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
-            encoder.set_compression(png::Compression::Balanced);
+            encoder.set_compression(png::Compression::Fast);
             let bytes: std::borrow::Cow<'_, [u8]> = match &self.pixels {
                 Pixels::Eight(values) => {
                     encoder.set_depth(png::BitDepth::Eight);
