@@ -81,7 +81,7 @@ fn stats_have_exactly_the_keys_of_the_contract() {
          render_secs simd spacing structure_bytes support_max support_min threads threshold \
          total_secs weights write_secs"
     );
-    assert_eq!(sorted(&stats["image"]), "height spp width");
+    assert_eq!(sorted(&stats["image"]), "height mean_samples spp width");
     assert_eq!(
         sorted(&stats["rays"]),
         "ambient_occlusion diffuse primary reflection refraction shadow"
