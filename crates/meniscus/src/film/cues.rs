@@ -62,16 +62,19 @@ impl Film {
                 let x = f64::from(region.x) + (pixel % size[0]) as f64 + 0.5;
                 let y = f64::from(region.y) + (pixel / size[0]) as f64 + 0.5;
                 let direction: DVec3 = camera.ray([x, y]).direction;
-                direction.as_vec3()
+                (direction / direction.dot(camera.forward)).as_vec3()
             };
+            let views: Vec<Vec3> = (0..depth.len()).map(view).collect();
             let lines = Lines {
                 depth: &depth,
                 normals: &normals,
+                views: &views,
                 size,
                 range,
+                pixel: (2.0 * (0.5 * camera.fov).tan() / f64::from(self.size()[1])) as f32,
             };
             for pixel in 0..depth.len() {
-                let line = lines.at(pixel, || view(pixel));
+                let line = lines.at(pixel);
                 self.scale_color(pixel, 1.0 - cues.silhouettes as f32 * line);
             }
         }
@@ -82,13 +85,17 @@ impl Film {
 struct Lines<'a> {
     depth: &'a [f32],
     normals: &'a [Vec3],
+    /// Directions from the eye, of length 1 along the view axis.
+    views: &'a [Vec3],
     size: [usize; 2],
     range: f32,
+    /// Height of a pixel at depth 1.
+    pixel: f32,
 }
 
 impl Lines<'_> {
     /// How dark the line at a pixel is, 0 to 1. Lines lie on the nearer of two things.
-    fn at(&self, pixel: usize, view: impl Fn() -> Vec3) -> f32 {
+    fn at(&self, pixel: usize) -> f32 {
         let z = self.depth[pixel];
         if !z.is_finite() {
             return 0.0;
@@ -101,14 +108,18 @@ impl Lines<'_> {
         ];
         let (mut step, mut bend) = (0.0_f32, 0.0_f32);
         for pair in pairs.into_iter().flatten() {
-            let drops = pair.map(|i| 1.0 / z - 1.0 / self.depth[i]);
+            let drops = pair.map(|i| match self.are_on_one_plane(pixel, i) {
+                true => 0.0,
+                false => 1.0 / z - 1.0 / self.depth[i],
+            });
             step = step.max(isolated(drops) * z * z);
             for neighbour in pair.into_iter().filter(|&i| self.depth[i].is_finite()) {
                 bend = bend.max(1.0 - self.normals[pixel].dot(self.normals[neighbour]));
             }
         }
         let turning = if bend > 1e-4 {
-            smoothstep(TURNING, self.normals[pixel].dot(view()).abs())
+            let view = self.views[pixel].normalize();
+            smoothstep(TURNING, self.normals[pixel].dot(view).abs())
         } else {
             // A plane, which is seen at the same angle far and wide.
             0.0
@@ -116,6 +127,15 @@ impl Lines<'_> {
         smoothstep(STEP, step / self.range)
             .max(smoothstep(CREASE, bend))
             .max(turning)
+    }
+
+    /// Whether what two pixels show lies in one plane, as far as samples that lie anywhere in their
+    /// pixels can tell.
+    fn are_on_one_plane(&self, a: usize, b: usize) -> bool {
+        let normal = self.normals[a];
+        let height = normal.dot(self.views[a] * self.depth[a] - self.views[b] * self.depth[b]);
+        let rounding = JITTER * self.pixel * self.depth[a].max(self.depth[b]);
+        1.0 - normal.dot(self.normals[b]) < 1e-5 && height.abs() <= rounding
     }
 }
 

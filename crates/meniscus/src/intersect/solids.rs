@@ -30,18 +30,23 @@ pub(super) fn contradicts(side: Side, entering: bool) -> bool {
 
 impl Plane {
     /// Crossing of an object-space ray: its parameter and whether it enters. A plane that a ray with a
-    /// stated side starts on, up to `origin_error`, is not hit from the other side.
+    /// stated side starts on, up to `origin_error`, is not hit from the other side, and hit at once
+    /// from the stated one: between it and what stands on it there is no gap.
     pub fn closest(&self, ray: &Ray, origin_error: f64) -> Option<(f64, bool)> {
         let rate = ray.direction.dot(self.normal);
         let t = (self.point - ray.origin).dot(self.normal) / rate;
         let entering = rate < 0.0;
-        let is_own_start = || self.height(ray.at(ray.t_min)).abs() <= origin_error;
-        (ray.is_traceable()
-            && t.is_finite()
-            && t >= ray.t_min
-            && t <= ray.t_max
-            && !(contradicts(ray.side, entering) && is_own_start()))
-        .then_some((t, entering))
+        if !ray.is_traceable() || !t.is_finite() {
+            return None;
+        }
+        let is_at_start =
+            ray.side != Side::Unknown && self.height(ray.at(ray.t_min)).abs() <= origin_error;
+        let t = match is_at_start {
+            true if contradicts(ray.side, entering) => return None,
+            true => t.max(ray.t_min),
+            false => t,
+        };
+        (t >= ray.t_min && t <= ray.t_max).then_some((t, entering))
     }
 
     /// Height of a point above the plane.
@@ -143,6 +148,13 @@ mod tests {
             assert_eq!(plane.closest(&up, error), None);
             let down = Ray::new(start, along - plane.normal * lift).with_side(Side::Inside);
             assert_eq!(plane.closest(&down, error), None);
+        }
+        // Out of something that stands on the plane: no gap, whatever rounding does.
+        for lift in [0.0, 0.5, -0.5] {
+            let touching = start + plane.normal * (lift * error);
+            let down = Ray::new(touching, along - plane.normal).with_side(Side::Outside);
+            let (t, entering) = plane.closest(&down, error).unwrap();
+            assert!((0.0..=error).contains(&t) && entering, "{lift}: {t}");
         }
         // A ray inside water above the plane says so of every surface.
         let from_above = Ray::new(start + plane.normal, -plane.normal).with_side(Side::Inside);

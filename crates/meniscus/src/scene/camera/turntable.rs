@@ -9,12 +9,28 @@ impl Camera {
     #[must_use]
     pub fn turned(&self, center: DVec3, up: DVec3, angle: f64) -> Self {
         let turn = DQuat::from_axis_angle(up, angle);
+        // Every field by name, so that none that points somewhere is forgotten.
+        let Self {
+            eye,
+            forward,
+            right,
+            up,
+            fov,
+            size,
+            half_extents,
+            corner,
+            pixel_steps,
+        } = *self;
         Self {
-            eye: center + turn * (self.eye - center),
-            forward: turn * self.forward,
-            right: turn * self.right,
-            up: turn * self.up,
-            ..*self
+            eye: center + turn * (eye - center),
+            forward: turn * forward,
+            right: turn * right,
+            up: turn * up,
+            fov,
+            size,
+            half_extents,
+            corner: turn * corner,
+            pixel_steps: pixel_steps.map(|step| turn * step),
         }
     }
 }
@@ -36,6 +52,16 @@ mod tests {
         );
         let [x, y] = quarter.project(center).unwrap();
         assert!((x - 32.0).abs() < 1e-9 && (y - 24.0).abs() < 1e-9);
+        let middle = quarter.ray([32.0, 24.0]);
+        assert!(
+            middle
+                .direction
+                .distance((center - quarter.eye).normalize())
+                < 1e-12
+        );
+        let aside = quarter.ray([40.0, 9.0]);
+        let [x, y] = quarter.project(aside.at(5.0)).unwrap();
+        assert!((x - 40.0).abs() < 1e-9 && (y - 9.0).abs() < 1e-9, "{x} {y}");
         let whole = camera.turned(center, DVec3::Y, std::f64::consts::TAU);
         assert!(whole.eye.distance(eye) < 1e-12 && whole.right.distance(camera.right) < 1e-12);
     }
