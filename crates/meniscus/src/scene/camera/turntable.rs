@@ -9,28 +9,12 @@ impl Camera {
     #[must_use]
     pub fn turned(&self, center: DVec3, up: DVec3, angle: f64) -> Self {
         let turn = DQuat::from_axis_angle(up, angle);
-        // Every field by name, so that none that points somewhere is forgotten.
-        let Self {
-            eye,
-            forward,
-            right,
-            up,
-            fov,
-            size,
-            half_extents,
-            corner,
-            pixel_steps,
-        } = *self;
         Self {
-            eye: center + turn * (eye - center),
-            forward: turn * forward,
-            right: turn * right,
-            up: turn * up,
-            fov,
-            size,
-            half_extents,
-            corner: turn * corner,
-            pixel_steps: pixel_steps.map(|step| turn * step),
+            eye: center + turn * (self.eye - center),
+            forward: turn * self.forward,
+            right: turn * self.right,
+            up: turn * self.up,
+            ..*self
         }
     }
 }
