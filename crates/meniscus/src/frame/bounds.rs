@@ -10,6 +10,8 @@ const STRAY_FRACTION: f64 = 0.002;
 /// How far the middle is widened on each side, in its own widths, before particles outside it count
 /// as strays.
 const STRAY_REACH: f32 = 0.5;
+/// At most about this many particles decide on the middle.
+const SAMPLES: usize = 1 << 16;
 
 impl Geometry {
     /// Object-space box around the surface at any time in `shutter` (seconds relative to the frame);
@@ -90,11 +92,12 @@ fn without_strays(blobs: &Blobs) -> DAabb {
 
 /// The box outside which particles are strays; `None` without particles.
 fn middle_of(field: &BlobField) -> Option<Aabb> {
-    let count = field.len();
-    let strays = (count as f64 * STRAY_FRACTION) as usize;
+    let stride = (field.len() / SAMPLES).max(1);
+    let sample = || field.centers.iter().step_by(stride);
+    let strays = (sample().len() as f64 * STRAY_FRACTION) as usize;
     let mut middle = Aabb::EMPTY;
     for axis in 0..3 {
-        let mut places: Vec<f32> = field.centers.iter().map(|center| center[axis]).collect();
+        let mut places: Vec<f32> = sample().map(|center| center[axis]).collect();
         if places.is_empty() {
             return None;
         }

@@ -219,6 +219,14 @@ impl Frame {
 
     /// Gives clear materials that state no depth one that suits what the frame shows.
     fn set_absorption_depths(&mut self) {
+        let is_open = |material: &Material| material.absorption.depth == 0.0;
+        if !self
+            .materials
+            .iter()
+            .any(|m| m.kind.is_clear() && is_open(m))
+        {
+            return;
+        }
         let size = self.framing_bounds().size().max_element();
         let depth = if size.is_finite() && size > 0.0 {
             0.5 * size
@@ -226,7 +234,7 @@ impl Frame {
             1.0
         };
         for material in &mut self.materials {
-            if material.absorption.depth == 0.0 {
+            if is_open(material) {
                 material.absorption.depth = depth;
             }
         }

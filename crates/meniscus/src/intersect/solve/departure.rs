@@ -18,13 +18,11 @@ const SLOPE_NOISE: f32 = 1e-5;
 /// Kept back of a stretch that is proven, for the rounding of the proof itself.
 const KEPT_BACK: f32 = 1e-3;
 
-/// φ at a point, rounded up.
+/// φ at a point of the segment, rounded up but for the rounding of positions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Departure {
     at: f32,
-    /// At most this much.
     value: f32,
-    /// At most this steep.
     slope: f32,
 }
 
@@ -69,18 +67,22 @@ impl Departure {
         self.slope < 0.0
     }
 
-    /// Where φ, said to be below 0 at the point, may reach 0 at the earliest, given that φ″ ≤ `rise` up to there; what it is
-    /// above 0 at the point by rounding does not count. `None` if it need not fall.
+    /// Where φ, said to be below 0 at the point, may reach 0 at the earliest, given bounds (−φ″, +φ″) up
+    /// to there and positions known to `rounding`; what it is above 0 at the point by rounding does not
+    /// count. `None` if it need not fall.
     #[inline(always)]
-    pub(super) fn until(&self, rise: f32) -> Option<f32> {
-        let square = self.slope * self.slope - 2.0 * rise * self.value;
+    pub(super) fn until(&self, (fall, rise): (f32, f32), rounding: f32) -> Option<f32> {
+        let bend = fall.max(rise) * rounding;
+        let slope = self.slope + bend;
+        let value = self.value + (slope.abs() + bend) * rounding;
+        let square = slope * slope - 2.0 * rise * value;
         // Less falls below 0 only barely.
-        if !self.falls() || square < 0.25 * self.slope * self.slope {
+        if slope >= 0.0 || square < 0.25 * slope * slope {
             return None;
         }
         if rise <= 0.0 {
             return Some(f32::INFINITY);
         }
-        Some(self.at + (1.0 - KEPT_BACK) * (square.sqrt() - self.slope) / rise)
+        Some(self.at + (1.0 - KEPT_BACK) * (square.sqrt() - slope) / rise)
     }
 }

@@ -48,6 +48,7 @@ impl<'a, V: FirstCrossing> Search<'a, V> {
                 threshold: blobs.field.threshold,
                 inside: ray.inside,
                 tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
+                rounding: start_margin(bounds),
             }),
             start: OwnStart::new(blobs, bounds, ray),
             start_margin: f64::from(start_margin(bounds)),
@@ -132,6 +133,11 @@ impl<'a, V: FirstCrossing> Search<'a, V> {
             stride *= 2.0;
             let from = near + f64::from(segment.from);
             self.on_stated_side = is_inside(self.blobs, self.ray, from) == self.ray.inside;
+            if !self.on_stated_side
+                && let Some(t) = self.start.crossing_before(self.blobs, self.ray, t, from)
+            {
+                return Some(t);
+            }
             if segment.from >= length {
                 return None;
             }

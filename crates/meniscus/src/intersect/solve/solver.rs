@@ -124,6 +124,8 @@ pub(in crate::intersect) struct Solver {
     pub(in crate::intersect) inside: bool,
     /// Wanted accuracy of the crossing, as a length.
     pub(in crate::intersect) tolerance: f32,
+    /// How far rounding may move a blob along the ray.
+    pub(in crate::intersect) rounding: f32,
 }
 
 /// A way of solving one segment.
@@ -250,7 +252,7 @@ impl FirstCrossing for Solver {
         let end = if self.inside {
             segment.length
         } else {
-            let last_approach = active.last_approach(simd);
+            let last_approach = active.last_approach(simd) + self.rounding;
             segment.length.min(last_approach.max(segment.from))
         };
         let mut start = (segment.from, segment.length);
@@ -264,8 +266,8 @@ impl FirstCrossing for Solver {
                 let departure = Departure::new::<S, K>(simd, self, active, segment.from);
                 falls_at_start = departure.falls();
                 if falls_at_start {
-                    let (_, rise) = self.bend::<S, K>(simd, active, segment.from, end);
-                    if let Some(safe) = departure.until(rise) {
+                    let bends = self.bend::<S, K>(simd, active, segment.from, end);
+                    if let Some(safe) = departure.until(bends, self.rounding) {
                         if safe >= end {
                             return Verdict::StaysOnSide;
                         }

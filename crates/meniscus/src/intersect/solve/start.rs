@@ -68,4 +68,29 @@ impl OwnStart {
                 .into_iter()
                 .any(|steps| beyond(t + steps * self.tolerance))
     }
+
+    /// The crossing behind `t`, where f32 sees it a little early, and before `beyond`, where float64
+    /// sees the other side; `None` if the ray is there already.
+    pub(in crate::intersect) fn crossing_before(
+        &self,
+        blobs: &Blobs,
+        ray: &LocalRay,
+        t: f64,
+        beyond: f64,
+    ) -> Option<f64> {
+        let is_beyond = |along: f64| is_inside(blobs, ray, along) != ray.inside;
+        let (mut before, mut behind) = ((t - self.tolerance).max(0.0), beyond);
+        if is_beyond(before) {
+            return None;
+        }
+        while behind - before > self.tolerance {
+            let middle = 0.5 * (before + behind);
+            if is_beyond(middle) {
+                behind = middle;
+            } else {
+                before = middle;
+            }
+        }
+        Some(behind)
+    }
 }

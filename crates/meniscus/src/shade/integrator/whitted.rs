@@ -114,8 +114,12 @@ impl Shader<'_> {
         let mirror = DVec3::new(-point.view.x, -point.view.y, cosine);
         let mut follow = |local: DVec3, part: Vec3, scattering: Scattering| -> Vec3 {
             let weight = weight * part.max_element();
-            if weight < LEAST_WEIGHT || level + 1 >= self.settings.integrator.depth {
+            if weight < LEAST_WEIGHT {
                 return Vec3::ZERO;
+            }
+            if level + 1 >= self.settings.integrator.depth {
+                // What the ray would see if nothing were in its way, rather than black.
+                return part * world.surroundings_or_backdrop(point.to_world(local));
             }
             let on_viewers_side = local.z > 0.0;
             let direction = point.to_world(local);

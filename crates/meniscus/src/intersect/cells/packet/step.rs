@@ -51,7 +51,8 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
     let mut crossings = zero;
     let (mut crossed, mut unclear, mut rest) = (0, 0, todo);
     // Where φ has not reached 0 by then it never will.
-    let end = length.min(last_approach);
+    let rounding = extent * POSITION_NOISE;
+    let end = length.min(last_approach + rounding);
     if at_start == 0 {
         if let [blob] = active.blobs() {
             return few::lone_blob::<S, K, P>(simd, job, blob, (todo, length));
@@ -72,11 +73,11 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
             let lowest = slope / -rise;
             let depth = phi + slope * lowest * 0.5;
             let scale = job.threshold.max(1.0);
-            let noise = (rise * scale).sqrt() * extent * POSITION_NOISE + NOISE * scale;
+            let noise = (rise * scale).sqrt() * rounding + NOISE * scale;
             let near_surface = (phi + noise).simd_gt(zero).to_bitmask() as u32;
             let leaves = (depth + noise * 4.0).simd_lt(zero).to_bitmask() as u32
                 & !(inwards.to_bitmask() as u32);
-            let leaves = leaves | last_approach.simd_le(zero).to_bitmask() as u32;
+            let leaves = leaves | (last_approach + rounding).simd_le(zero).to_bitmask() as u32;
             let leaving = at_start & near_surface & leaves;
             unclear |= at_start & near_surface & !leaves;
             rest &= !unclear;
