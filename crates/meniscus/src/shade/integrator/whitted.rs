@@ -118,8 +118,13 @@ impl Shader<'_> {
                 return Vec3::ZERO;
             }
             if level + 1 >= self.settings.integrator.depth {
-                // What the ray would see if nothing were in its way, rather than black.
-                return part * world.surroundings_or_backdrop(point.to_world(local));
+                // A mirror in the open shows what it would if nothing were in its way, rather than black.
+                let in_the_open = local.z > 0.0 && media.filling(world.frame).is_none();
+                return if in_the_open {
+                    part * world.surroundings_or_backdrop(point.to_world(local))
+                } else {
+                    Vec3::ZERO
+                };
             }
             let on_viewers_side = local.z > 0.0;
             let direction = point.to_world(local);
