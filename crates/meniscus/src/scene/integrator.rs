@@ -77,7 +77,7 @@ pub struct IntegratorSettings {
 /// Most rays of `ao` per camera sample.
 pub const MAX_AO_SAMPLES: u32 = 65_536;
 
-#[allow(clippy::trivially_copy_pass_by_ref)] // serde wants a reference
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
 fn is_true(value: &bool) -> bool {
     *value
 }

@@ -102,12 +102,6 @@ pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive>(
             .store_slice(&mut active.weight[count..end]);
         count += bits.count_ones() as usize;
     }
-    active.count = count;
-    // Lanes behind the last blob are read in whole chunks: weight 0 and a parabola that stays at 0.
-    let end = count + LANES;
-    active.weight[count..end].fill(0.0);
-    active.g0[count..end].fill(0.0);
-    active.beta[count..end].fill(0.0);
-    active.c[count..end].fill(0.0);
+    active.finish(count);
     upper.reduce_sum()
 }
