@@ -12,13 +12,14 @@ const EXAMPLES: &str = "\
 Examples:
   meniscus render fluid.vtk -o fluid.png
   meniscus render fluid.vtk -o fluid.png --preset water --ground --size 1920x1080 --spp 64
+  meniscus render 'frame_{}.vtk' -o film.mp4 --fps 25
   meniscus render 'frame_{}.vtk' -o 'frame_{}.png' --frames 1-100x2 --resume
   meniscus render fluid.vtk -o fluid.png --color-by velocity --color-range 0,3
   meniscus render fluid.vtk -o fluid.exr --aov all
   meniscus render scene.toml -o scene.png --set surface.0.threshold=0.5
   meniscus render fluid.vtk -o fluid.png --up z --light -1,2,3 --camera-eye -4,-3,2
   meniscus render 1ubq.pdb -o 1ubq.png --silhouettes --depth-shading --clip 'z<0'
-  meniscus render fluid.vtk -o 'turn_{}.png' --turntable 36
+  meniscus render fluid.vtk -o turn.mp4 --turntable 100
   meniscus render fluid.vtk -o fluid.png --filter '|velocity| < 8 && y > -0.2'
 
 A {} in INPUT stands for the frame number, and in OUT for the same number with the same padding
@@ -32,17 +33,19 @@ pub(crate) struct RenderArgs {
     /// are the frames of one sequence
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// Picture to write: .png or .exr; with several frames a pattern such as 'frame_{}.png'
+    /// Picture to write: .png or .exr; with several frames a pattern such as 'frame_{}.png', or .mp4
+    /// (which takes the program ffmpeg)
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 
     /// Frames to render, as in 1-100, 1-100x2 or 1-10,20
     #[arg(long, value_name = "FRAMES", help_heading = "Frames")]
     pub frames: Option<String>,
-    /// Skip the frames whose picture is there already
+    /// Skip the frames whose picture is there already. A film keeps its finished pictures in
+    /// OUT.frames until it is whole, and goes on from them
     #[arg(long, help_heading = "Frames")]
     pub resume: bool,
-    /// Frames per second of the sequence, for video and motion [default: 25]
+    /// Frames per second of the sequence and of the film [default: 25]
     #[arg(
         long,
         value_name = "N",
@@ -58,7 +61,7 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub shutter: Option<f64>,
-    /// Turn the camera once around the object in N pictures; OUT needs a {}
+    /// Turn the camera once around the object in N pictures; OUT needs a {}, or is .mp4
     #[arg(long, value_name = "N", help_heading = "Frames")]
     pub turntable: Option<u32>,
 

@@ -37,6 +37,10 @@ pub(crate) struct Inputs {
     pub is_sequence: bool,
     /// The first frame of the whole sequence, selected or not: it decides what stays fixed.
     pub first: FrameInput,
+    /// By how much the frame numbers usually rise, selected or not.
+    pub step: u64,
+    /// Wanted frames that are missing in the middle, as words: `frame 3`, `frames 6 to 8`.
+    pub missing: Vec<String>,
 }
 
 /// Finds out what the inputs are. `edit` changes each scene (options, presets) before its files are
@@ -54,7 +58,7 @@ pub(crate) fn resolve(
         .collect::<Outcome<_>>()?;
     let several = is_pattern || listed.len() > 1;
     if scenes.iter().all(|scene| !scene) {
-        return particle_frames(listed, several, selection, edit);
+        return particle_frames(listed, several, is_pattern, selection, edit);
     }
     if !scenes.iter().all(|scene| *scene) {
         return Err(Failure::wrong("the inputs mix scenes and particle files")
@@ -73,7 +77,7 @@ pub(crate) fn resolve(
             }
             frames.extend(found.into_iter().map(|(frame, _)| frame));
         }
-        return selected(selection, frames, true);
+        return selected(selection, frames, true, is_pattern);
     }
     let Some(input) = listed.into_iter().next() else {
         return Err(Failure::wrong("no input"));
@@ -81,27 +85,64 @@ pub(crate) fn resolve(
     let found = scene_frames(edited_scene(&input.path, edit)?, input.number, &input.text)?;
     let is_sequence = found.iter().any(|(_, from_pattern)| *from_pattern);
     let frames: Vec<FrameInput> = found.into_iter().map(|(frame, _)| frame).collect();
-    selected(selection, frames, is_sequence)
+    selected(selection, frames, is_sequence, is_sequence)
 }
 
 fn selected(
     selection: Option<&FrameSelection>,
     frames: Vec<FrameInput>,
     is_sequence: bool,
+    is_pattern: bool,
 ) -> Outcome<Inputs> {
     let Some(first) = frames.first().cloned() else {
         return Err(Failure::wrong("no input"));
+    };
+    let numbers: Vec<u64> = frames.iter().map(|frame| frame.number).collect();
+    let step = sequence::usual_step(&numbers);
+    // Whoever lists files by name means these and no others.
+    let missing = if is_pattern {
+        missing(&numbers, step, selection)
+    } else {
+        Vec::new()
     };
     Ok(Inputs {
         frames: select_frames(selection, frames)?,
         is_sequence,
         first,
+        step,
+        missing,
     })
+}
+
+/// Most numbers of a gap that are held against a selection.
+const MOST_COMPARED: usize = 10_000;
+
+/// The gaps in `numbers` that a selection wants filled.
+fn missing(numbers: &[u64], step: u64, selection: Option<&FrameSelection>) -> Vec<String> {
+    let wanted = |gap: &std::ops::RangeInclusive<u64>| match selection {
+        None => true,
+        Some(selection) => gap
+            .clone()
+            .step_by(usize::try_from(step).unwrap_or(usize::MAX))
+            .take(MOST_COMPARED)
+            .any(|number| selection.contains(number)),
+    };
+    let gaps = sequence::gaps(numbers, step);
+    let gaps = gaps.into_iter().filter(wanted);
+    gaps.map(|gap| {
+        if gap.start() == gap.end() {
+            format!("frame {}", gap.start())
+        } else {
+            format!("frames {} to {}", gap.start(), gap.end())
+        }
+    })
+    .collect()
 }
 
 fn particle_frames(
     listed: Vec<FrameFile>,
     several: bool,
+    is_pattern: bool,
     selection: Option<&FrameSelection>,
     edit: &dyn Fn(&mut Scene) -> Outcome,
 ) -> Outcome<Inputs> {
@@ -132,7 +173,7 @@ fn particle_frames(
         _ => frames,
     };
     let is_sequence = several || frames.len() > 1;
-    selected(selection, frames, is_sequence)
+    selected(selection, frames, is_sequence, is_pattern)
 }
 
 /// The time steps that the single file of `frame` holds, numbered from 0; a file of one step keeps

@@ -31,15 +31,6 @@ pub(crate) struct LoadedFrame {
 }
 
 impl LoadedFrame {
-    /// The same for another picture, which takes no time any more.
-    pub(crate) fn used_again(self) -> Self {
-        Self {
-            read_secs: 0.0,
-            build_secs: 0.0,
-            ..self
-        }
-    }
-
     /// Particles in the frame.
     pub(crate) fn particles(&self) -> usize {
         self.frame.blobs().map(|blobs| blobs.field.len()).sum()

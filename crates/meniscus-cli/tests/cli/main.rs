@@ -4,6 +4,7 @@ mod bad_input;
 mod bench;
 mod company;
 mod exact;
+mod film;
 mod generate;
 mod info;
 mod interrupt;

@@ -85,6 +85,7 @@ impl BlobField {
         };
         let mut build = Build::filtered(particles, settings)?;
         build.drop_positions()?;
+        build.drop_absent()?;
         build.column_weights(&settings.weights)?;
         let own = build.own_supports(&rule, scale)?;
         let positions = build.positions();
@@ -102,10 +103,20 @@ impl BlobField {
             ),
         };
         if settings.weights == Weights::Volume {
-            let weights = volume_weights(&positions, &supports, settings.kernel, &points);
+            let scales = build.support_scales();
+            let weights = volume_weights(
+                &positions,
+                &supports,
+                scales.as_deref(),
+                settings.kernel,
+                &points,
+            );
             build.weights = Some(weights);
             let keep = build.drop_weights("its volume is beyond all others'")?;
             supports.retain(&keep);
+        }
+        if let Some(scales) = build.support_scales() {
+            supports.scale(&scales);
         }
         let (least, largest) = supports.range();
         let are_similar = largest <= SIMILAR_SUPPORTS * least && supports.len() == positions.len();
@@ -146,7 +157,7 @@ impl<'a> Build<'a> {
     }
 
     /// Removes the particles for which `keep` is false; an error when none is left.
-    fn drop_unless(&mut self, keep: &[bool], reason: &str) -> Result<(), FieldError> {
+    pub(super) fn drop_unless(&mut self, keep: &[bool], reason: &str) -> Result<(), FieldError> {
         if let Some(first) = keep.iter().position(|&keep| !keep) {
             self.dropped.push(Dropped {
                 count: keep.iter().filter(|&&keep| !keep).count(),

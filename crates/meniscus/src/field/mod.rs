@@ -9,6 +9,7 @@ mod error;
 mod evaluate;
 mod metric;
 mod pack;
+mod presence;
 mod report;
 mod search;
 mod supports;

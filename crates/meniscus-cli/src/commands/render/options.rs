@@ -30,6 +30,8 @@ pub(crate) struct PictureOptions {
     pub samples: Option<Range<u32>>,
     /// When to stop adding samples.
     pub time_limit: Option<Duration>,
+    /// Frames per second of a film.
+    pub fps: f64,
     /// The one legend of a sequence whose colour range is fixed; else each picture has its own.
     pub shared_legend: Option<PathBuf>,
 }
@@ -42,21 +44,32 @@ impl PictureOptions {
         reporter: &Reporter,
     ) -> Outcome<Self> {
         refuse_what_is_to_come(args)?;
-        if format == PictureFormat::Png && !args.aov.is_empty() {
+        if format != PictureFormat::Exr && !args.aov.is_empty() {
             return Err(
-                Failure::wrong("--aov needs an EXR: a PNG holds colour alone")
+                Failure::wrong("--aov needs an EXR: PNG and MP4 hold colour alone")
                     .with_help("write the picture as .exr"),
             );
         }
-        if format == PictureFormat::Png && args.aov_style.is_some() {
+        if format != PictureFormat::Exr && args.aov_style.is_some() {
             return Err(
                 Failure::wrong("--aov-style needs an EXR").with_help("write the picture as .exr")
             );
         }
-        if args.fps.is_some() {
+        let is_film = format == PictureFormat::Mp4;
+        if args.fps.is_some() && !is_film {
             reporter.warn("--fps changes nothing: pictures without shutter time have no speed");
         }
-        let fixed_range = args.color_range.is_some() && is_pattern(&args.output);
+        if is_film && args.png_depth != 8 {
+            return Err(Failure::wrong("--png-depth needs a PNG: films have 8 bits"));
+        }
+        if is_film && args.color_by.is_some() && args.color_range.is_none() {
+            reporter.warn(
+                "colours are spread over each frame's own values, so they flicker; \
+                 --color-range fixes them",
+            );
+        }
+        let is_one_of_many = is_film || is_pattern(&args.output);
+        let fixed_range = args.color_range.is_some() && is_one_of_many;
         Ok(Self {
             format,
             aov: args.aov.clone(),
@@ -90,9 +103,25 @@ impl PictureOptions {
                 .samples
                 .map(|range| range.first..range.last.saturating_add(1)),
             time_limit: args.time_limit.map(time_limit).transpose()?,
+            fps: fps(args.fps)?,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
         })
     }
+}
+
+/// Frames per second where nothing is said.
+const DEFAULT_FPS: f64 = 25.0;
+/// Most frames per second that make sense.
+const MAX_FPS: f64 = 1000.0;
+
+fn fps(given: Option<f64>) -> Outcome<f64> {
+    let fps = given.unwrap_or(DEFAULT_FPS);
+    if fps > 0.0 && fps <= MAX_FPS {
+        return Ok(fps);
+    }
+    Err(Failure::wrong(format!(
+        "--fps must be a number above 0 and up to {MAX_FPS}, not {fps}"
+    )))
 }
 
 fn time_limit(secs: f64) -> Outcome<Duration> {
@@ -172,8 +201,15 @@ pub(crate) fn edit_scene(args: &RenderArgs, format: PictureFormat, scene: &mut S
         ));
     }
     let background = args.background.as_deref().map(background).transpose()?;
+    if format == PictureFormat::Mp4 && background == Some(Background::Transparent) {
+        return Err(Failure::wrong("a film cannot be transparent")
+            .with_help("write pictures: -o 'frame_{}.png' or 'frame_{}.exr'"));
+    }
+    if format == PictureFormat::Mp4 && scene.film.background == Some(Background::Transparent) {
+        scene.film.background = None;
+    }
     scene.film.background = background.or(scene.film.background).or(match format {
-        PictureFormat::Png => Some(Background::Sky),
+        PictureFormat::Png | PictureFormat::Mp4 => Some(Background::Sky),
         PictureFormat::Exr => Some(Background::Transparent),
     });
     if args.ground {
