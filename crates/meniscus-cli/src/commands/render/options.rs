@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::job::output::{PictureFormat, without_number};
 use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::progress::Reporter;
-use meniscus::film::{AovStyle, BitDepth, CHANNELS, Region};
+use meniscus::film::{AovStyle, BitDepth, CHANNELS, Film, Region};
 use meniscus::particles::sequence::{FrameSelection, is_pattern};
 use meniscus::scene::film::MAX_SPP;
 use meniscus::scene::{Background, ColorMap, Ground, IntegratorKind, Preset, Scene};
@@ -30,6 +30,8 @@ pub(crate) struct PictureOptions {
     pub samples: Option<Range<u32>>,
     /// When to stop adding samples.
     pub time_limit: Option<Duration>,
+    /// Whether the noise is taken out at the end.
+    pub denoise: bool,
     /// The one legend of a sequence whose colour range is fixed; else each picture has its own.
     pub shared_legend: Option<PathBuf>,
 }
@@ -42,6 +44,7 @@ impl PictureOptions {
         reporter: &Reporter,
     ) -> Outcome<Self> {
         refuse_what_is_to_come(args)?;
+        check_denoise(args)?;
         if format == PictureFormat::Png && !args.aov.is_empty() {
             return Err(
                 Failure::wrong("--aov needs an EXR: a PNG holds colour alone")
@@ -90,9 +93,29 @@ impl PictureOptions {
                 .samples
                 .map(|range| range.first..range.last.saturating_add(1)),
             time_limit: args.time_limit.map(time_limit).transpose()?,
+            denoise: args.denoise,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
         })
     }
+}
+
+/// Whether the noise can be taken out of the picture.
+fn check_denoise(args: &RenderArgs) -> Outcome {
+    if args.denoise && !Film::CAN_DENOISE {
+        return Err(
+            Failure::wrong("--denoise: this meniscus was built without Open Image Denoise").with_help(
+                "get its library (https://www.openimagedenoise.org, or the folder pyoidn/oidn of \
+                 `pip install pyoidn`), set OIDN_DIR to the folder that holds its lib, and build with \
+                 --features oidn",
+            ),
+        );
+    }
+    if args.denoise && args.samples.is_some() {
+        return Err(Failure::wrong(
+            "--samples makes a part of a picture, --denoise finishes one: not both",
+        ));
+    }
+    Ok(())
 }
 
 fn time_limit(secs: f64) -> Outcome<Duration> {

@@ -8,7 +8,7 @@ use crate::math::ray::Ray;
 use crate::math::sampling::PixelSampler;
 use crate::scene::Background;
 use crate::shade::ShadeScratch;
-use crate::shade::bsdf::Scattering;
+use crate::shade::bsdf::{BsdfSample, Scattering, Sheet};
 use crate::shade::light::Found;
 use crate::shade::medium::MediumStack;
 use crate::shade::world::{Interaction, count, passed};
@@ -24,6 +24,8 @@ const MOST_SURVIVAL: f32 = 0.95;
 const BLURRED_ROUGHNESS: f64 = 0.5;
 /// Boundaries between media of which neither fills the place that a path crosses in all.
 const MAX_FALSE_BOUNDARIES: u32 = 256;
+/// Thin sheets that a path goes straight through in all.
+const MAX_SHEETS: u32 = 256;
 
 /// A path on its way.
 struct Path {
@@ -34,6 +36,8 @@ struct Path {
     /// Surfaces that scattered it so far, and by kind: diffuse, reflection, refraction.
     surfaces: u32,
     kinds: [u32; 3],
+    /// Thin sheets that it went straight through.
+    sheets: u32,
     /// Where it was scattered last and the density of its direction there; infinite behind the eye
     /// and behind mirrors.
     scattered_at: DVec3,
@@ -68,6 +72,7 @@ impl Shader<'_> {
             light: Vec3::ZERO,
             surfaces: 0,
             kinds: [0; 3],
+            sheets: 0,
             scattered_at: ray.origin,
             density: f64::INFINITY,
             is_spread: false,
@@ -120,13 +125,20 @@ impl Shader<'_> {
             } else if !self.fade(&mut path, &hit) {
                 break;
             }
-            if path.is_last {
+            let sheet = point.bsdf.sheet();
+            if path.is_last && sheet.is_none() {
                 break;
             }
-            sampler.skip_to(1 + path.surfaces * DRAWS);
-            path.surfaces += 1;
-            self.add_direct(&mut path, &point, sampler, scratch);
-            if !self.scatter(&mut path, &point, sampler, scratch) {
+            sampler.skip_to(1 + (path.surfaces + path.sheets) * DRAWS);
+            let goes_on = match sheet {
+                Some(sheet) => self.meet_sheet(&mut path, sheet, &point, sampler, scratch),
+                None => {
+                    path.surfaces += 1;
+                    self.add_direct(&mut path, &point, sampler, scratch);
+                    self.scatter(&mut path, &point, sampler, scratch)
+                }
+            };
+            if !goes_on {
                 break;
             }
         }
@@ -245,7 +257,36 @@ impl Shader<'_> {
         self.add(path, scattered * light.weight * reach.part * weight);
     }
 
-    /// Sends the path on; false where it ends.
+    /// Sends the path on straight through a thin sheet, or mirrored; false where it ends.
+    ///
+    /// Lights behind sheets are found by scattered rays and by drawn lights alike, so a path that goes
+    /// straight through counts no surface and was scattered last where it was before.
+    fn meet_sheet(
+        &self,
+        path: &mut Path,
+        sheet: &Sheet,
+        point: &Interaction<'_>,
+        sampler: &mut PixelSampler,
+        scratch: &mut ShadeScratch,
+    ) -> bool {
+        let [choice, survival] = [sampler.next_1d(), sampler.next_1d()];
+        let sample = if path.is_last {
+            sheet.through(point.view)
+        } else {
+            sheet.sample(point.view, choice)
+        };
+        if sample.scattering == Scattering::Reflection {
+            path.surfaces += 1;
+            return self.turn(path, point, &sample, survival, scratch);
+        }
+        path.throughput *= sample.weight;
+        path.ray = passed(&path.ray, &point.hit);
+        path.sheets += 1;
+        count(&mut scratch.rays, sample.scattering);
+        path.sheets <= MAX_SHEETS && path.throughput.max_element() > 0.0
+    }
+
+    /// Sends the path on in a direction drawn from the surface; false where it ends.
     fn scatter(
         &self,
         path: &mut Path,
@@ -254,9 +295,19 @@ impl Shader<'_> {
         scratch: &mut ShadeScratch,
     ) -> bool {
         let [choice, survival] = [sampler.next_1d(), sampler.next_1d()];
-        let Some(sample) = point.bsdf.sample(point.view, choice, sampler.next_2d()) else {
-            return false;
-        };
+        let sample = point.bsdf.sample(point.view, choice, sampler.next_2d());
+        sample.is_some_and(|sample| self.turn(path, point, &sample, survival, scratch))
+    }
+
+    /// Sends the path on in direction `sample`, or ends it by `survival`; false where it ends.
+    fn turn(
+        &self,
+        path: &mut Path,
+        point: &Interaction<'_>,
+        sample: &BsdfSample,
+        survival: f64,
+        scratch: &mut ShadeScratch,
+    ) -> bool {
         path.throughput *= sample.weight;
         if path.throughput.max_element() <= 0.0 {
             return false;
