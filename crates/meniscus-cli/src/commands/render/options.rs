@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::job::output::{PictureFormat, without_number};
 use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::progress::Reporter;
-use meniscus::film::{AovStyle, BitDepth, CHANNELS, Region};
+use meniscus::film::{AovStyle, BitDepth, CHANNELS, Film, Region};
 use meniscus::particles::sequence::{FrameSelection, is_pattern};
 use meniscus::scene::film::MAX_SPP;
 use meniscus::scene::{Background, ColorMap, Ground, IntegratorKind, Preset, Scene};
@@ -32,6 +32,8 @@ pub(crate) struct PictureOptions {
     pub time_limit: Option<Duration>,
     /// Frames per second of a film.
     pub fps: f64,
+    /// Whether the noise is taken out at the end.
+    pub denoise: bool,
     /// The one legend of a sequence whose colour range is fixed; else each picture has its own.
     pub shared_legend: Option<PathBuf>,
 }
@@ -44,6 +46,7 @@ impl PictureOptions {
         reporter: &Reporter,
     ) -> Outcome<Self> {
         refuse_what_is_to_come(args)?;
+        check_denoise(args)?;
         if format != PictureFormat::Exr && !args.aov.is_empty() {
             return Err(
                 Failure::wrong("--aov needs an EXR: PNG and MP4 hold colour alone")
@@ -104,6 +107,7 @@ impl PictureOptions {
                 .map(|range| range.first..range.last.saturating_add(1)),
             time_limit: args.time_limit.map(time_limit).transpose()?,
             fps: fps(args.fps)?,
+            denoise: args.denoise,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
         })
     }
@@ -122,6 +126,25 @@ fn fps(given: Option<f64>) -> Outcome<f64> {
     Err(Failure::wrong(format!(
         "--fps must be a number above 0 and up to {MAX_FPS}, not {fps}"
     )))
+}
+
+/// Whether the noise can be taken out of the picture.
+fn check_denoise(args: &RenderArgs) -> Outcome {
+    if args.denoise && !Film::CAN_DENOISE {
+        return Err(
+            Failure::wrong("--denoise: this meniscus was built without Open Image Denoise").with_help(
+                "get its library (https://www.openimagedenoise.org, or the folder pyoidn/oidn of \
+                 `pip install pyoidn`), set OIDN_DIR to the folder that holds its lib, and build with \
+                 --features oidn",
+            ),
+        );
+    }
+    if args.denoise && args.samples.is_some() {
+        return Err(Failure::wrong(
+            "--samples makes a part of a picture, --denoise finishes one: not both",
+        ));
+    }
+    Ok(())
 }
 
 fn time_limit(secs: f64) -> Outcome<Duration> {
