@@ -41,7 +41,9 @@ impl Prepared {
             MaterialKind::Glossy | MaterialKind::Diffuse => Self::Diffuse,
             MaterialKind::Plastic => Self::Coated(Box::new(Coat::new(material.ior, 1.0))),
             MaterialKind::Metal | MaterialKind::Mirror => Self::Conductor,
-            MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water if material.thin => {
+            MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water
+                if material.thin =>
+            {
                 Self::Sheet
             }
             MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water => {
@@ -408,8 +410,7 @@ impl<'a> World<'a> {
     ) -> Reach {
         scratch.rays.shadow += 1;
         // One clear surface alone has no boundaries that are none.
-        let walks =
-            self.has_sheets || self.medium_count > 1 || straight && self.medium_count > 0;
+        let walks = self.has_sheets || self.medium_count > 1 || straight && self.medium_count > 0;
         if !walks {
             ray.t_max = distance;
             if self.frame.any_hit(&ray, &mut scratch.trace) {
