@@ -1,6 +1,10 @@
 //! What every reader must hold, whatever the bytes.
 
+use meniscus::frame::MeshSurface;
+use meniscus::mesh;
 use meniscus::particles::io::{Format, Parsed, parse};
+use std::io::Write;
+use std::path::Path;
 
 /// Reads the first two frames as one of `formats`, which the first byte chooses.
 pub fn read_as(formats: &[Format], bytes: &[u8]) {
@@ -34,4 +38,24 @@ fn check(parsed: &Parsed) {
             column.name
         );
     }
+}
+
+/// Gives the bytes to a reader of files, as a file that goes away again.
+pub fn as_file(bytes: &[u8], read: impl FnOnce(&Path)) {
+    let mut file = tempfile::NamedTempFile::new().expect("a folder for temporary files");
+    file.write_all(bytes).expect("room for a small file");
+    read(file.path());
+}
+
+/// Reads a mesh file whose content may be of any format, and makes a surface of it.
+pub fn read_mesh(bytes: &[u8]) {
+    as_file(bytes, |path| match mesh::io::read(path) {
+        Ok(file) => {
+            let (surface, _) = MeshSurface::build(&file.mesh);
+            assert!(!surface.triangles.is_empty());
+            let in_range = |&corner: &u32| (corner as usize) < surface.vertices.len();
+            assert!(surface.triangles.iter().flatten().all(in_range));
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    });
 }

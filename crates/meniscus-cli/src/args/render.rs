@@ -131,6 +131,9 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub time_limit: Option<f64>,
+    /// Take the noise out of the finished picture (Open Image Denoise)
+    #[arg(long, help_heading = "Picture")]
+    pub denoise: bool,
     /// Render only this part, in pixels from the top left corner
     #[arg(
         long,

@@ -3,6 +3,7 @@
 mod bad_input;
 mod bench;
 mod company;
+mod denoise;
 mod exact;
 mod film;
 mod generate;

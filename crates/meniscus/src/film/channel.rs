@@ -35,6 +35,9 @@ pub struct PixelSample<'a> {
     pub backdrop: f32,
     /// Diffuse reflectance of what was hit; 0 where nothing was.
     pub albedo: [f32; 3],
+    /// What a denoiser may take for the colour of the surface, without light: `albedo`, and white
+    /// where light goes through.
+    pub denoising_albedo: [f32; 3],
     /// What was hit.
     pub surface: Option<SurfaceSample>,
     /// Attributes at the hit, all components of all attributes of the frame in its order; may be
@@ -81,6 +84,8 @@ pub struct ChannelInfo {
     pub storage: Storage,
     /// Whether every picture has it.
     pub always: bool,
+    /// Whether `all` means it, too.
+    pub in_all: bool,
     /// Where its numbers come from.
     pub source: Source,
 }
@@ -93,6 +98,7 @@ pub static CHANNELS: &[ChannelInfo] = &[
         blender_planes: &["Combined.R", "Combined.G", "Combined.B", "Combined.A"],
         storage: Storage::Half,
         always: true,
+        in_all: true,
         source: Source::Mean(|s| [s.radiance[0], s.radiance[1], s.radiance[2], s.coverage]),
     },
     ChannelInfo {
@@ -101,6 +107,7 @@ pub static CHANNELS: &[ChannelInfo] = &[
         blender_planes: &["Depth.Z"],
         storage: Storage::Float,
         always: true,
+        in_all: true,
         source: Source::NearestOrInfinite(|s| s.depth),
     },
     ChannelInfo {
@@ -109,6 +116,7 @@ pub static CHANNELS: &[ChannelInfo] = &[
         blender_planes: &["Position.X", "Position.Y", "Position.Z"],
         storage: Storage::Float,
         always: false,
+        in_all: true,
         source: Source::Nearest(|s| s.position),
     },
     ChannelInfo {
@@ -117,6 +125,7 @@ pub static CHANNELS: &[ChannelInfo] = &[
         blender_planes: &["Normal.X", "Normal.Y", "Normal.Z"],
         storage: Storage::Float,
         always: false,
+        in_all: true,
         source: Source::Nearest(|s| s.normal),
     },
     ChannelInfo {
@@ -125,6 +134,7 @@ pub static CHANNELS: &[ChannelInfo] = &[
         blender_planes: &["DiffCol.R", "DiffCol.G", "DiffCol.B"],
         storage: Storage::Half,
         always: false,
+        in_all: true,
         source: Source::Mean(|s| [s.albedo[0], s.albedo[1], s.albedo[2], 0.0]),
     },
     ChannelInfo {
@@ -133,6 +143,7 @@ pub static CHANNELS: &[ChannelInfo] = &[
         blender_planes: &["ParticleId.X"],
         storage: Storage::Uint,
         always: false,
+        in_all: true,
         source: Source::NearestIndex(|s| s.id),
     },
     ChannelInfo {
@@ -141,6 +152,7 @@ pub static CHANNELS: &[ChannelInfo] = &[
         blender_planes: &["IndexOB.X"],
         storage: Storage::Uint,
         always: false,
+        in_all: true,
         source: Source::NearestIndex(|s| s.surface),
     },
     ChannelInfo {
@@ -149,7 +161,48 @@ pub static CHANNELS: &[ChannelInfo] = &[
         blender_planes: &["Debug Sample Count.X"],
         storage: Storage::Float,
         always: false,
+        in_all: true,
         source: Source::SampleCount,
+    },
+    ChannelInfo {
+        name: "denoising_albedo",
+        planes: &[
+            "denoising_albedo.X",
+            "denoising_albedo.Y",
+            "denoising_albedo.Z",
+        ],
+        blender_planes: &[
+            "Denoising Albedo.R",
+            "Denoising Albedo.G",
+            "Denoising Albedo.B",
+        ],
+        storage: Storage::Half,
+        always: false,
+        in_all: false,
+        source: Source::Mean(|s| {
+            let [red, green, blue] = s.denoising_albedo;
+            [red, green, blue, 0.0]
+        }),
+    },
+    ChannelInfo {
+        name: "denoising_normal",
+        planes: &[
+            "denoising_normal.X",
+            "denoising_normal.Y",
+            "denoising_normal.Z",
+        ],
+        blender_planes: &[
+            "Denoising Normal.X",
+            "Denoising Normal.Y",
+            "Denoising Normal.Z",
+        ],
+        storage: Storage::Half,
+        always: false,
+        in_all: false,
+        source: Source::Mean(|s| {
+            let [x, y, z] = s.surface.map_or([0.0; 3], |surface| surface.normal);
+            [x, y, z, 0.0]
+        }),
     },
 ];
 
@@ -238,7 +291,8 @@ impl PartialEq for ChannelSet {
 
 impl ChannelSet {
     /// The channels that every picture has and those in `wanted`: names of [`CHANNELS`], names of
-    /// `attributes` (name and components, in the frame's order), or `all` for whatever exists.
+    /// `attributes` (name and components, in the frame's order), or `all` for whatever exists but what
+    /// denoisers alone look at.
     ///
     /// # Errors
     /// A name that is neither, or a channel that this version cannot render: never silently absent.
@@ -269,7 +323,9 @@ impl ChannelSet {
         let mut with_attribute = vec![false; offered.len()];
         for name in wanted.iter().map(|name| name.as_ref().trim()) {
             if name == "all" {
-                with_channel.fill(true);
+                for (with, channel) in with_channel.iter_mut().zip(CHANNELS) {
+                    *with |= channel.in_all;
+                }
                 with_attribute.fill(true);
             } else if let Some(i) = CHANNELS.iter().position(|c| c.name == name) {
                 with_channel[i] = true;

@@ -226,6 +226,7 @@ mod tests {
                     coverage: 1.0,
                     backdrop: 0.0,
                     albedo: [0.5; 3],
+                    denoising_albedo: [0.0; 3],
                     surface,
                     attributes: &[],
                 };

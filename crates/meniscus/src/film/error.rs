@@ -66,6 +66,12 @@ pub enum FilmError {
         /// Why.
         source: std::io::Error,
     },
+    /// The noise could not be taken out.
+    #[error("cannot denoise the picture: {message}")]
+    Denoise {
+        /// Why.
+        message: String,
+    },
     /// The picture cannot be stored in this format.
     #[error("cannot encode {}: {message}", path.display())]
     Encode {

@@ -125,6 +125,7 @@ mod tests {
                     coverage: f32::from(hit),
                     backdrop: f32::from(!hit),
                     albedo: if hit { [0.5, 0.25, 0.125] } else { [0.0; 3] },
+                    denoising_albedo: [0.0; 3],
                     surface: hit.then_some(SurfaceSample {
                         depth: 1.0 + x as f32,
                         position: [x as f32, y as f32, 1.0 / 3.0],

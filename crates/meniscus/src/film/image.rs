@@ -181,6 +181,7 @@ mod tests {
                     coverage,
                     backdrop: 1.0 - coverage,
                     albedo: [0.0; 3],
+                    denoising_albedo: [0.0; 3],
                     surface: None,
                     attributes: &[],
                 };

@@ -8,6 +8,7 @@
 mod aside;
 mod channel;
 mod cues;
+mod denoise;
 mod error;
 mod exr;
 mod image;

@@ -309,6 +309,14 @@ impl Film {
         }
     }
 
+    /// Sets R, G and B of pixel `pixel` of the region.
+    pub(super) fn set_color(&mut self, pixel: usize, color: [f32; 3]) {
+        let count = f64::from(self.counts[pixel]);
+        for (plane, value) in self.sums.iter_mut().zip(color) {
+            plane[pixel] = (f64::from(value) * count * FIXED_ONE) as i64;
+        }
+    }
+
     /// Share of the background that shows at pixel `pixel` of the region; 1 without samples.
     pub(super) fn backdrop(&self, pixel: usize) -> f32 {
         match self.counts[pixel] {
@@ -365,6 +373,7 @@ mod tests {
                 coverage,
                 backdrop: 1.0 - coverage,
                 albedo: radiance,
+                denoising_albedo: [0.0; 3],
                 surface,
                 attributes: &[radiance[1], radiance[2]],
             },
@@ -459,6 +468,7 @@ mod tests {
                 coverage: 1.0,
                 backdrop: 0.0,
                 albedo: [0.5; 3],
+                denoising_albedo: [0.0; 3],
                 surface: None,
                 attributes: &[],
             };

@@ -326,9 +326,13 @@ fn plain_material(
         absorption: Absorption {
             left: BaseColor::Constant(material.effective_absorption().to_f32()),
             // 0 until `Frame::set_absorption_depths`.
-            depth: material.absorption_depth.unwrap_or(0.0),
+            depth: match material.is_thin() {
+                true => 1.0,
+                false => material.absorption_depth.unwrap_or(0.0),
+            },
             density: None,
         },
+        thin: material.is_thin(),
         priority: material.effective_priority(),
         translucency: material.effective_translucency() as f32,
     })

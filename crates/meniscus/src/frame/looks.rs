@@ -169,10 +169,20 @@ pub struct Material {
     pub ior: f64,
     /// Of clear materials.
     pub absorption: Absorption,
+    /// Clear: whether it is a thin sheet instead of the boundary of a body; the optical depth of its
+    /// thickness is that of `absorption` behind a distance of 1.
+    pub thin: bool,
     /// Which clear material fills a place that lies in several: the largest.
     pub priority: i32,
     /// Foam: part of the scattered light that goes through.
     pub translucency: f32,
+}
+
+impl Material {
+    /// Whether its inside is a clear medium.
+    pub fn is_medium(&self) -> bool {
+        self.kind.is_clear() && !self.thin
+    }
 }
 
 /// The ground plane under the objects. It is infinite for rays; its look fades with distance so that

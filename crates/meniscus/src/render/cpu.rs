@@ -281,6 +281,7 @@ impl<'a> Job<'a> {
                 coverage: seen.coverage,
                 backdrop: seen.backdrop,
                 albedo: seen.albedo,
+                denoising_albedo: seen.denoising_albedo,
                 surface: self.surface_sample(&seen),
                 attributes: scratch.attributes(),
             };

@@ -62,7 +62,7 @@ impl MaterialKind {
         matches!(self, Self::Dielectric | Self::Glass | Self::Water)
     }
 
-    /// Whether its surface can be rough.
+    /// Whether its surface can be rough; thin sheets cannot.
     pub fn takes_roughness(self) -> bool {
         matches!(self, Self::Glossy | Self::Plastic | Self::Metal) || self.is_clear()
     }
@@ -121,6 +121,12 @@ pub struct Material {
     /// 2002). A liquid in a glass has less than the glass, and its surface reaches into the wall.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub priority: Option<i32>,
+    /// Clear: whether the surface is a thin sheet with the same on both sides, as a window or the wall
+    /// of a bubble, instead of the boundary of a body. Light goes straight through it, shadows are as
+    /// light as what it lets through, and it may have holes. `absorption` is the colour left by the
+    /// sheet head on (by default white); it takes no `absorption_depth`, `priority` or `roughness`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thin: Option<bool>,
     /// Foam: part of the scattered light that goes through, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub translucency: Option<f64>,
@@ -162,8 +168,14 @@ impl Material {
             absorption: None,
             absorption_depth: None,
             priority: None,
+            thin: None,
             translucency: None,
         }
+    }
+
+    /// Whether it is a thin sheet.
+    pub fn is_thin(&self) -> bool {
+        self.thin == Some(true)
     }
 
     /// Base colour.
@@ -211,7 +223,7 @@ impl Material {
     /// the default of water has that ratio and leaves 0.3 of the red.
     pub fn effective_absorption(&self) -> Color {
         self.absorption.unwrap_or(match self.kind {
-            MaterialKind::Water => Color([0.3, 0.773, 0.959]),
+            MaterialKind::Water if !self.is_thin() => Color([0.3, 0.773, 0.959]),
             _ => Color::WHITE,
         })
     }

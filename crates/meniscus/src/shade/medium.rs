@@ -23,8 +23,8 @@ impl MediumStack {
         let mut scratch = Scratch::default();
         for (surface, instance) in frame.instances.iter().enumerate() {
             let surface = surface as u32;
-            let is_clear = frame.materials[instance.material as usize].kind.is_clear();
-            if is_clear && frame.side(surface, point, &mut scratch) == Side::Inside {
+            let is_medium = frame.materials[instance.material as usize].is_medium();
+            if is_medium && frame.side(surface, point, &mut scratch) == Side::Inside {
                 stack.enter(surface);
             }
         }

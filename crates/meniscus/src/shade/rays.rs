@@ -56,6 +56,8 @@ pub struct Seen {
     pub backdrop: f32,
     /// Base colour, before any light; 0 beside surfaces.
     pub albedo: [f32; 3],
+    /// What denoisers may take for it: white where light goes through.
+    pub denoising_albedo: [f32; 3],
     /// What was hit.
     pub hit: Option<Hit>,
     /// Row in its file of the strongest particle.

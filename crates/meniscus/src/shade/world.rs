@@ -2,7 +2,7 @@
 
 use super::attributes::AttributeLayout;
 use super::bsdf::{
-    Bsdf, Coat, Conductor, Dielectric, Diffuse, Foam, Plastic, RoughBoundary,
+    Bsdf, Coat, Conductor, Dielectric, Diffuse, Foam, Plastic, RoughBoundary, Sheet,
     dielectric_reflectance,
 };
 use super::light::{Lights, Sky};
@@ -27,6 +27,7 @@ enum Prepared {
     Conductor,
     Coated(Box<Coat>),
     Clear(Option<Box<RoughBoundary>>),
+    Sheet,
     Foam,
 }
 
@@ -40,6 +41,11 @@ impl Prepared {
             MaterialKind::Glossy | MaterialKind::Diffuse => Self::Diffuse,
             MaterialKind::Plastic => Self::Coated(Box::new(Coat::new(material.ior, 1.0))),
             MaterialKind::Metal | MaterialKind::Mirror => Self::Conductor,
+            MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water
+                if material.thin =>
+            {
+                Self::Sheet
+            }
             MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water => {
                 let is_rough = material.roughness > 0.0 || material.roughness_by.is_some();
                 Self::Clear(is_rough.then(|| Box::new(RoughBoundary::new(material.ior))))
@@ -135,8 +141,10 @@ pub(super) struct World<'a> {
     /// Stands behind everything in a scene that has nothing around it.
     default_sky: Sky,
     prepared: Vec<Prepared>,
-    /// How many surfaces are clear.
-    clear_count: usize,
+    /// How many surfaces have clear media inside.
+    medium_count: usize,
+    /// Whether there are thin sheets.
+    has_sheets: bool,
     /// If all attributes are wanted at every first hit.
     attributes: Option<AttributeLayout>,
 }
@@ -154,20 +162,18 @@ impl<'a> World<'a> {
         } else {
             Vec::new()
         };
+        let materials = || {
+            let instances = frame.instances.iter();
+            instances.map(|instance| &frame.materials[instance.material as usize])
+        };
         Self {
             frame,
             lights: Lights::new(frame),
             background,
             default_sky: default_sky(),
             prepared,
-            clear_count: frame
-                .instances
-                .iter()
-                .filter(|instance| {
-                    let material = &frame.materials[instance.material as usize];
-                    material.kind.is_clear()
-                })
-                .count(),
+            medium_count: materials().filter(|material| material.is_medium()).count(),
+            has_sheets: materials().any(|material| material.thin),
             attributes: with_attributes.then(|| AttributeLayout::new(frame)),
         }
     }
@@ -285,7 +291,7 @@ impl<'a> World<'a> {
         scratch: &mut ShadeScratch,
     ) -> Option<Interaction<'_>> {
         let (material, index) = self.material(hit.surface);
-        let beyond = if material.kind.is_clear() {
+        let beyond = if material.is_medium() {
             let beyond = media.crossed(hit.surface, hit.entering);
             if beyond.filling(self.frame) == media.filling(self.frame) {
                 return None;
@@ -304,24 +310,14 @@ impl<'a> World<'a> {
                 let indices = [media.ior(self.frame), beyond.ior(self.frame)];
                 Bsdf::Dielectric(Dielectric::new(indices, roughness, boundary.as_deref()))
             }
+            Prepared::Sheet => Bsdf::Sheet(self.sheet(ray, &hit, media, scratch)),
             Prepared::Foam => Bsdf::Foam(Foam {
                 color,
                 translucency: f64::from(material.translucency),
             }),
         };
-        // Clear surfaces refract by the face, so that what goes in comes out; a shading normal must not
-        // turn away from the viewer.
-        let outward = if material.kind.is_clear() {
-            hit.normal
-        } else {
-            hit.shading_normal
-        };
-        let towards = if hit.entering { 1.0 } else { -1.0 };
-        let normal = if (outward * towards).dot(ray.direction) < 0.0 {
-            outward * towards
-        } else {
-            hit.normal * towards
-        };
+        // Bodies refract by the face, so that what goes in comes out.
+        let normal = viewed_normal(ray, &hit, material.is_medium());
         let [x, y] = tangents(normal);
         let axes = [x, y, normal];
         let mut view = DVec3::from_array(axes.map(|axis| -axis.dot(ray.direction)));
@@ -335,6 +331,35 @@ impl<'a> World<'a> {
             axes,
             beyond,
         })
+    }
+
+    /// The thin sheet that a ray in `media` meets.
+    fn sheet(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        media: &MediumStack,
+        scratch: &mut ShadeScratch,
+    ) -> Sheet {
+        let (material, _) = self.material(hit.surface);
+        let depth = match material.absorption.constant() {
+            Some(depth) => Vec3::from_array(depth),
+            None => self.coefficients(hit.surface, hit.position, scratch),
+        };
+        let cosine = -viewed_normal(ray, hit, false).dot(ray.direction);
+        Sheet::new(cosine, media.ior(self.frame) / material.ior, depth)
+    }
+
+    /// Absorption of a clear surface at a point, per world unit.
+    fn coefficients(&self, surface: u32, point: DVec3, scratch: &mut ShadeScratch) -> Vec3 {
+        let absorption = &self.material(surface).0.absorption;
+        scratch.attributes.gather(self.frame, surface, point);
+        let left = self.color(&absorption.left, surface, scratch);
+        let density = match &absorption.density {
+            None => 1.0,
+            Some(scaling) => self.number(scaling, surface, scratch).max(0.0),
+        };
+        Vec3::from_array(absorption.coefficients(left)) * density
     }
 
     /// What is left of light after `distance` along a ray in `media` (Beer and Lambert). Where the
@@ -357,15 +382,7 @@ impl<'a> World<'a> {
                 let mut sum = Vec3::ZERO;
                 for step in 0..ABSORPTION_STEPS {
                     let along = (f64::from(step) + 0.5) / f64::from(ABSORPTION_STEPS);
-                    scratch
-                        .attributes
-                        .gather(self.frame, surface, ray.at(along * distance));
-                    let left = self.color(&absorption.left, surface, scratch);
-                    let density = match &absorption.density {
-                        None => 1.0,
-                        Some(scaling) => self.number(scaling, surface, scratch).max(0.0),
-                    };
-                    sum += Vec3::from_array(absorption.coefficients(left)) * density;
+                    sum += self.coefficients(surface, ray.at(along * distance), scratch);
                 }
                 sum / ABSORPTION_STEPS as f32
             }
@@ -381,7 +398,8 @@ impl<'a> World<'a> {
     }
 
     /// How much of the light from `distance` along `ray` arrives. Boundaries of clear media stop it;
-    /// or, if `straight`, they let through what they do not reflect, without bending it.
+    /// or, if `straight`, they let through what they do not reflect, without bending it. Thin sheets
+    /// bend nothing: they never stop it.
     pub(super) fn reach(
         &self,
         mut ray: Ray,
@@ -392,7 +410,7 @@ impl<'a> World<'a> {
     ) -> Reach {
         scratch.rays.shadow += 1;
         // One clear surface alone has no boundaries that are none.
-        let walks = self.clear_count > 1 || straight && self.clear_count > 0;
+        let walks = self.has_sheets || self.medium_count > 1 || straight && self.medium_count > 0;
         if !walks {
             ray.t_max = distance;
             if self.frame.any_hit(&ray, &mut scratch.trace) {
@@ -415,11 +433,17 @@ impl<'a> World<'a> {
                 reach.part *= left * self.emission_scale(&media);
                 return reach;
             };
-            if !self.material(hit.surface).0.kind.is_clear() {
+            let (material, _) = self.material(hit.surface);
+            if !material.kind.is_clear() {
                 return Reach::NOTHING;
             }
             reach.part *= self.absorbed(&ray, hit.t, &media, scratch);
-            let beyond = media.crossed(hit.surface, hit.entering);
+            let beyond = if material.thin {
+                reach.part *= self.sheet(&ray, &hit, &media, scratch).transmitted();
+                media
+            } else {
+                media.crossed(hit.surface, hit.entering)
+            };
             if beyond.filling(self.frame) != media.filling(self.frame) {
                 if !straight {
                     return Reach::NOTHING;
@@ -444,6 +468,18 @@ impl<'a> World<'a> {
     pub(super) fn emission_scale(&self, media: &MediumStack) -> f32 {
         let ior = media.ior(self.frame);
         (1.0 / (ior * ior)) as f32
+    }
+}
+
+/// The normal at a hit on the viewer's side: that for shading, unless `of_face` or it turns away from
+/// the viewer.
+fn viewed_normal(ray: &Ray, hit: &Hit, of_face: bool) -> DVec3 {
+    let towards = if hit.entering { 1.0 } else { -1.0 };
+    let shading = hit.shading_normal * towards;
+    if !of_face && shading.dot(ray.direction) < 0.0 {
+        shading
+    } else {
+        hit.normal * towards
     }
 }
 

@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::job::output::{PictureFormat, without_number};
 use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::progress::Reporter;
-use meniscus::film::{AovStyle, BitDepth, CHANNELS, Region};
+use meniscus::film::{AovStyle, BitDepth, CHANNELS, Film, Region};
 use meniscus::particles::sequence::{FrameSelection, is_pattern};
 use meniscus::scene::film::MAX_SPP;
 use meniscus::scene::{Background, ColorMap, Ground, IntegratorKind, Preset, Scene};
@@ -38,6 +38,8 @@ pub(crate) struct PictureOptions {
     pub velocity_scale: f64,
     /// Longest wait for the next frame of a running simulation.
     pub watch_timeout: Option<Duration>,
+    /// Whether the noise is taken out at the end.
+    pub denoise: bool,
     /// The one legend of a sequence whose colour range is fixed; else each picture has its own.
     pub shared_legend: Option<PathBuf>,
 }
@@ -50,6 +52,7 @@ impl PictureOptions {
         reporter: &Reporter,
     ) -> Outcome<Self> {
         refuse_what_is_to_come(args)?;
+        check_denoise(args)?;
         if format != PictureFormat::Exr && !args.aov.is_empty() {
             return Err(
                 Failure::wrong("--aov needs an EXR: PNG and MP4 hold colour alone")
@@ -114,6 +117,7 @@ impl PictureOptions {
             slow_motion: args.slow_motion,
             velocity_scale: velocity_scale(args, reporter)?,
             watch_timeout: watch_timeout(args)?,
+            denoise: args.denoise,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
         })
     }
@@ -157,6 +161,25 @@ fn check_kinds_of_sequence(args: &RenderArgs, format: PictureFormat) -> Outcome 
             args.output.display()
         ))
         .with_help("put {} where the frame number goes, as in -o 'frame_{}.png', or write .mp4"));
+    }
+    Ok(())
+}
+
+/// Whether the noise can be taken out of the picture.
+fn check_denoise(args: &RenderArgs) -> Outcome {
+    if args.denoise && !Film::CAN_DENOISE {
+        return Err(
+            Failure::wrong("--denoise: this meniscus was built without Open Image Denoise").with_help(
+                "get its library (https://www.openimagedenoise.org, or the folder pyoidn/oidn of \
+                 `pip install pyoidn`), set OIDN_DIR to the folder that holds its lib, and build with \
+                 --features oidn",
+            ),
+        );
+    }
+    if args.denoise && args.samples.is_some() {
+        return Err(Failure::wrong(
+            "--samples makes a part of a picture, --denoise finishes one: not both",
+        ));
     }
     Ok(())
 }

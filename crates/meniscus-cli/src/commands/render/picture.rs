@@ -81,6 +81,11 @@ impl FrameWork<'_> {
             camera = camera.turned(center, loaded.frame.up, self.turn);
         }
         let (mut film, rendered) = self.film(&loaded.frame, &camera, reporter)?;
+        if self.options.denoise {
+            reporter.stage("denoise");
+            film.denoise()
+                .map_err(|error| Failure::work(error.to_string()))?;
+        }
         if self.scene().cues.are_wanted() {
             let range = depth_range(&loaded.frame, &camera);
             film.apply_cues(&self.scene().cues, &camera, range);
@@ -117,6 +122,9 @@ impl FrameWork<'_> {
         let mut aov = self.options.aov.clone();
         if self.scene().cues.silhouettes > 0.0 {
             aov.push("normal".to_owned());
+        }
+        if self.options.denoise {
+            aov.extend(Film::DENOISING_CHANNELS.map(str::to_owned));
         }
         let channels = ChannelSet::new(&aov, &frame_attributes(frame))
             .map_err(|error| Failure::wrong(format!("--aov: {error}")))?;

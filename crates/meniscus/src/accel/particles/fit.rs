@@ -133,8 +133,10 @@ pub(super) fn fit_leaf<P: Primitive>(
 /// Where lanes without a blob lie: what is there reaches no ray.
 const NOWHERE: [f32; 3] = [1e15; 3];
 
-/// Sets the boxes of all nodes from those of the leaves; returns the box around everything.
-pub(super) fn fit_nodes(nodes: &mut [Node], leaves: &[Aabb]) -> Aabb {
+/// Sets the boxes of all nodes from those of the leaves; returns the box around everything, and how
+/// many boxes a ray that meets it meets by the surface area heuristic.
+pub(super) fn fit_nodes(nodes: &mut [Node], leaves: &[Aabb]) -> (Aabb, f32) {
+    let mut areas = 0.0_f64;
     let mut boxes = vec![Aabb::EMPTY; nodes.len()];
     // Children stand behind their parents.
     for index in (0..nodes.len()).rev() {
@@ -154,9 +156,11 @@ pub(super) fn fit_nodes(nodes: &mut [Node], leaves: &[Aabb]) -> Aabb {
                 node.bounds[axis][slot] = bounds.min[axis];
                 node.bounds[3 + axis][slot] = bounds.max[axis];
             }
+            areas += f64::from(bounds.half_area());
             all = all.union(bounds);
         }
         boxes[index] = all;
     }
-    boxes[0]
+    let cost = areas / f64::from(boxes[0].half_area()).max(f64::MIN_POSITIVE);
+    (boxes[0], cost as f32)
 }

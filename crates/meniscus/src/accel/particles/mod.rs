@@ -39,7 +39,14 @@ pub struct ParticleTree {
     /// Where g reaches this, any single blob reaches the threshold: the inner spheres
     /// of Ray Tracing Gems II §35.4, by the smallest weight. At least 1 where not all blobs have one, or weights are negative.
     pub inner_level: f32,
+    /// Boxes that a ray that meets `bounds` meets, by the surface area heuristic: now, and when the
+    /// tree was built.
+    cost: f32,
+    cost_when_built: f32,
 }
+
+/// A refitted tree is worn where rays meet this many times the boxes of the one that was built.
+const WORN: f32 = 1.25;
 
 impl ParticleTree {
     /// Builds the tree of `field`. The same field gives the same tree for any number of threads.
@@ -79,11 +86,17 @@ impl ParticleTree {
             ..Self::default()
         };
         tree.fit::<P>(field);
+        tree.cost_when_built = tree.cost;
         tree
     }
 
+    /// Whether refitting has made the boxes so much larger that a new tree is worth its build.
+    pub fn is_worn(&self) -> bool {
+        self.cost > WORN * self.cost_when_built
+    }
+
     /// Fits the tree to blobs that have moved, changed their shape or their weight: the same blobs in
-    /// the same leaves. Right for any motion, good for small ones.
+    /// the same leaves. Right for any motion, good for small ones ([`ParticleTree::is_worn`]).
     ///
     /// # Panics
     /// If `field` does not have the blobs that the tree was built of.
@@ -111,7 +124,8 @@ impl ParticleTree {
             .par_chunks_mut(layout::leaf_blocks::<P>())
             .map(|leaf| fit::fit_leaf::<P>(field, typical, pad, leaf))
             .collect();
-        self.bounds = Some(fit::fit_nodes(&mut self.nodes, &fitted));
+        let (bounds, cost) = fit::fit_nodes(&mut self.nodes, &fitted);
+        (self.bounds, self.cost) = (Some(bounds), cost);
     }
 
     /// Memory held.

@@ -131,6 +131,11 @@ fn a_refit_tree_holds_moved_blobs() {
         }
         tree.refit(&field);
         check(&tree, &field);
+        assert!(!tree.is_worn());
+        field.centers.reverse();
+        tree.refit(&field);
+        check(&tree, &field);
+        assert!(tree.is_worn());
     }
 }
 

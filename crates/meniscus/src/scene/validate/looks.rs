@@ -120,12 +120,18 @@ pub(super) fn check_light(key: &str, light: &Light) -> Checked {
 
 pub(super) fn check_material(key: &str, material: &Material) -> Checked {
     let kind = material.kind;
+    let thin = material.is_thin();
     let clear = kind.is_clear();
+    let body = clear && !thin;
     check_keys(
         "material",
         key,
-        kind.name(),
+        &match thin {
+            true => format!("{} (thin)", kind.name()),
+            false => kind.name().to_owned(),
+        },
         &[
+            ("thin", material.thin.is_some(), clear),
             (
                 "specular",
                 material.specular.is_some(),
@@ -134,16 +140,16 @@ pub(super) fn check_material(key: &str, material: &Material) -> Checked {
             (
                 "roughness",
                 material.roughness.is_some(),
-                kind.takes_roughness(),
+                kind.takes_roughness() && !thin,
             ),
             ("ior", material.ior.is_some(), kind.takes_ior()),
             ("absorption", material.absorption.is_some(), clear),
             (
                 "absorption_depth",
                 material.absorption_depth.is_some(),
-                clear,
+                body,
             ),
-            ("priority", material.priority.is_some(), clear),
+            ("priority", material.priority.is_some(), body),
             (
                 "translucency",
                 material.translucency.is_some(),

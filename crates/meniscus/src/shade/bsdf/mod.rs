@@ -13,6 +13,7 @@ mod foam;
 mod fresnel;
 mod microfacet;
 mod plastic;
+mod sheet;
 
 pub(super) use conductor::Conductor;
 pub(super) use dielectric::{Dielectric, RoughBoundary};
@@ -20,6 +21,7 @@ pub(super) use diffuse::Diffuse;
 pub(super) use foam::Foam;
 pub(super) use fresnel::dielectric as dielectric_reflectance;
 pub(super) use plastic::{Coat, Plastic};
+pub(super) use sheet::Sheet;
 
 use glam::{DVec3, Vec3};
 
@@ -85,6 +87,8 @@ pub(super) enum Bsdf<'a> {
     Dielectric(Dielectric<'a>),
     /// To both sides.
     Foam(Foam),
+    /// Straight through, or mirrored.
+    Sheet(Sheet),
 }
 
 impl Bsdf<'_> {
@@ -96,6 +100,7 @@ impl Bsdf<'_> {
             Self::Plastic(model) => model.evaluate(view, light),
             Self::Dielectric(model) => model.evaluate(view, light),
             Self::Foam(model) => model.evaluate(light),
+            Self::Sheet(_) => Vec3::ZERO,
         }
     }
 
@@ -107,6 +112,7 @@ impl Bsdf<'_> {
             Self::Plastic(model) => model.density(view, light),
             Self::Dielectric(model) => model.density(view, light),
             Self::Foam(model) => model.density(light),
+            Self::Sheet(_) => 0.0,
         }
     }
 
@@ -118,6 +124,7 @@ impl Bsdf<'_> {
             Self::Plastic(model) => model.sample(view, choice, u),
             Self::Dielectric(model) => model.sample(view, choice, u),
             Self::Foam(model) => model.sample(choice, u),
+            Self::Sheet(model) => Some(model.sample(view, choice)),
         }
     }
 
@@ -128,6 +135,19 @@ impl Bsdf<'_> {
             Self::Conductor(model) => !model.is_smooth(),
             Self::Plastic(model) => model.is_spread(),
             Self::Dielectric(model) => !model.is_smooth(),
+            Self::Sheet(_) => false,
+        }
+    }
+
+    /// The thin sheet, if it is one.
+    pub(super) fn sheet(&self) -> Option<&Sheet> {
+        match self {
+            Self::Sheet(sheet) => Some(sheet),
+            Self::Diffuse(_)
+            | Self::Conductor(_)
+            | Self::Plastic(_)
+            | Self::Dielectric(_)
+            | Self::Foam(_) => None,
         }
     }
 

@@ -149,6 +149,7 @@ impl<'a> Shader<'a> {
                 coverage: f32::from(u8::from(gathered.is_covered)),
                 backdrop: f32::from(u8::from(!gathered.is_covered)),
                 albedo: [0.0; 3],
+                denoising_albedo: [0.0; 3],
                 hit: None,
                 row: None,
             };
@@ -165,6 +166,10 @@ impl<'a> Shader<'a> {
             coverage: 1.0,
             backdrop: 1.0 - opacity,
             albedo: color.to_array(),
+            denoising_albedo: match self.world.material(hit.surface).0.kind.is_clear() {
+                true => [1.0; 3],
+                false => color.to_array(),
+            },
             hit: Some(hit),
             row: self.world.row(&hit),
         }

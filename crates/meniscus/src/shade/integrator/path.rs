@@ -8,14 +8,19 @@ use crate::math::ray::Ray;
 use crate::math::sampling::PixelSampler;
 use crate::scene::Background;
 use crate::shade::ShadeScratch;
-use crate::shade::bsdf::Scattering;
+use crate::shade::bsdf::{BsdfSample, Scattering, Sheet};
 use crate::shade::light::Found;
 use crate::shade::medium::MediumStack;
 use crate::shade::world::{Interaction, count, passed};
 use glam::{DVec3, Vec3};
 
-/// Draws from the sampler per surface.
+/// Draws from the sampler per surface, and which one decides what. Numbers that nothing needs are not
+/// drawn: they are a tenth of the time of water.
 const DRAWS: u32 = 5;
+const LIGHT_DRAW: u32 = 0;
+const CHOICE_DRAW: u32 = 2;
+const SURVIVAL_DRAW: u32 = 3;
+const DIRECTION_DRAW: u32 = 4;
 /// Surfaces before Russian roulette begins.
 const SURE_SURFACES: u32 = 4;
 /// Largest probability of going on once it has begun.
@@ -24,6 +29,8 @@ const MOST_SURVIVAL: f32 = 0.95;
 const BLURRED_ROUGHNESS: f64 = 0.5;
 /// Boundaries between media of which neither fills the place that a path crosses in all.
 const MAX_FALSE_BOUNDARIES: u32 = 256;
+/// Thin sheets that a path goes straight through in all.
+const MAX_SHEETS: u32 = 256;
 
 /// A path on its way.
 struct Path {
@@ -34,6 +41,8 @@ struct Path {
     /// Surfaces that scattered it so far, and by kind: diffuse, reflection, refraction.
     surfaces: u32,
     kinds: [u32; 3],
+    /// Thin sheets that it went straight through.
+    sheets: u32,
     /// Where it was scattered last and the density of its direction there; infinite behind the eye
     /// and behind mirrors.
     scattered_at: DVec3,
@@ -42,6 +51,24 @@ struct Path {
     is_spread: bool,
     /// Whether its next surface ends it: then it can only find lights.
     is_last: bool,
+}
+
+/// The random numbers of one surface.
+struct Draws<'a> {
+    sampler: &'a mut PixelSampler,
+    first: u32,
+}
+
+impl Draws<'_> {
+    fn number(&mut self, draw: u32) -> f64 {
+        self.sampler.skip_to(self.first + draw);
+        self.sampler.next_1d()
+    }
+
+    fn point(&mut self, draw: u32) -> [f64; 2] {
+        self.sampler.skip_to(self.first + draw);
+        self.sampler.next_2d()
+    }
 }
 
 fn power_heuristic(density: f64, other: f64) -> f32 {
@@ -68,6 +95,7 @@ impl Shader<'_> {
             light: Vec3::ZERO,
             surfaces: 0,
             kinds: [0; 3],
+            sheets: 0,
             scattered_at: ray.origin,
             density: f64::INFINITY,
             is_spread: false,
@@ -120,13 +148,23 @@ impl Shader<'_> {
             } else if !self.fade(&mut path, &hit) {
                 break;
             }
-            if path.is_last {
+            let sheet = point.bsdf.sheet();
+            if path.is_last && sheet.is_none() {
                 break;
             }
-            sampler.skip_to(1 + path.surfaces * DRAWS);
-            path.surfaces += 1;
-            self.add_direct(&mut path, &point, sampler, scratch);
-            if !self.scatter(&mut path, &point, sampler, scratch) {
+            let mut draws = Draws {
+                sampler: &mut *sampler,
+                first: 1 + (path.surfaces + path.sheets) * DRAWS,
+            };
+            let goes_on = match sheet {
+                Some(sheet) => self.meet_sheet(&mut path, sheet, &point, &mut draws, scratch),
+                None => {
+                    path.surfaces += 1;
+                    self.add_direct(&mut path, &point, &mut draws, scratch);
+                    self.scatter(&mut path, &point, &mut draws, scratch)
+                }
+            };
+            if !goes_on {
                 break;
             }
         }
@@ -203,14 +241,14 @@ impl Shader<'_> {
         &self,
         path: &mut Path,
         point: &Interaction<'_>,
-        sampler: &mut PixelSampler,
+        draws: &mut Draws<'_>,
         scratch: &mut ShadeScratch,
     ) {
         let world = &self.world;
-        let (choice, u) = (sampler.next_1d(), sampler.next_2d());
         if !point.bsdf.is_spread() {
             return;
         }
+        let (choice, u) = (draws.number(LIGHT_DRAW), draws.point(LIGHT_DRAW + 1));
         let position = point.hit.position;
         let Some((emitter, light)) = world.lights.sample(position, choice, u) else {
             return;
@@ -245,18 +283,61 @@ impl Shader<'_> {
         self.add(path, scattered * light.weight * reach.part * weight);
     }
 
-    /// Sends the path on; false where it ends.
+    /// Sends the path on straight through a thin sheet, or mirrored; false where it ends.
+    ///
+    /// Lights behind sheets are found by scattered rays and by drawn lights alike, so a path that goes
+    /// straight through counts no surface and was scattered last where it was before.
+    fn meet_sheet(
+        &self,
+        path: &mut Path,
+        sheet: &Sheet,
+        point: &Interaction<'_>,
+        draws: &mut Draws<'_>,
+        scratch: &mut ShadeScratch,
+    ) -> bool {
+        let sample = if path.is_last {
+            sheet.through(point.view)
+        } else {
+            sheet.sample(point.view, draws.number(CHOICE_DRAW))
+        };
+        if sample.scattering == Scattering::Reflection {
+            path.surfaces += 1;
+            return self.turn(path, point, &sample, draws, scratch);
+        }
+        path.throughput *= sample.weight;
+        path.ray = passed(&path.ray, &point.hit);
+        path.sheets += 1;
+        count(&mut scratch.rays, sample.scattering);
+        path.sheets <= MAX_SHEETS && path.throughput.max_element() > 0.0
+    }
+
+    /// Sends the path on in a direction drawn from the surface; false where it ends.
     fn scatter(
         &self,
         path: &mut Path,
         point: &Interaction<'_>,
-        sampler: &mut PixelSampler,
+        draws: &mut Draws<'_>,
         scratch: &mut ShadeScratch,
     ) -> bool {
-        let [choice, survival] = [sampler.next_1d(), sampler.next_1d()];
-        let Some(sample) = point.bsdf.sample(point.view, choice, sampler.next_2d()) else {
-            return false;
+        let choice = draws.number(CHOICE_DRAW);
+        let u = match point.bsdf.is_spread() {
+            true => draws.point(DIRECTION_DRAW),
+            // Smooth surfaces choose among single directions.
+            false => [0.5; 2],
         };
+        let sample = point.bsdf.sample(point.view, choice, u);
+        sample.is_some_and(|sample| self.turn(path, point, &sample, draws, scratch))
+    }
+
+    /// Sends the path on in direction `sample`, if it survives; false where it ends.
+    fn turn(
+        &self,
+        path: &mut Path,
+        point: &Interaction<'_>,
+        sample: &BsdfSample,
+        draws: &mut Draws<'_>,
+        scratch: &mut ShadeScratch,
+    ) -> bool {
         path.throughput *= sample.weight;
         if path.throughput.max_element() <= 0.0 {
             return false;
@@ -272,7 +353,7 @@ impl Shader<'_> {
             path.surfaces >= settings.depth || limit.is_some_and(|limit| path.kinds[kind] > limit);
         if path.surfaces >= SURE_SURFACES {
             let probability = path.throughput.max_element().min(MOST_SURVIVAL);
-            if survival as f32 >= probability {
+            if draws.number(SURVIVAL_DRAW) as f32 >= probability {
                 return false;
             }
             path.throughput /= probability;

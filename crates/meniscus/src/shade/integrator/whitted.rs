@@ -7,31 +7,22 @@ use crate::intersect::Hit;
 use crate::math::ray::Ray;
 use crate::scene::MaterialKind;
 use crate::shade::ShadeScratch;
-use crate::shade::bsdf::{Bsdf, Scattering, dielectric_reflectance};
+use crate::shade::bsdf::{Bsdf, Scattering, Sheet, dielectric_reflectance};
 use crate::shade::medium::MediumStack;
 use crate::shade::world::{Interaction, count, passed};
 use glam::{DVec3, Vec3};
 
 /// Branches that can change a picture by less than this are not followed.
 const LEAST_WEIGHT: f32 = 1e-3;
-/// Boundaries between media of which neither fills the place that one branch crosses.
-const MAX_FALSE_BOUNDARIES: u32 = 64;
+/// Surfaces that one branch goes straight through: thin sheets, and boundaries between media of which
+/// neither fills the place.
+const MAX_STRAIGHT: u32 = 64;
 
 /// What one ray of the tree found.
 struct Seen {
     light: Vec3,
     first: Option<(Hit, Vec3)>,
     is_covered: bool,
-}
-
-impl Seen {
-    fn light(light: Vec3, is_covered: bool) -> Self {
-        Self {
-            light,
-            first: None,
-            is_covered,
-        }
-    }
 }
 
 impl Shader<'_> {
@@ -61,13 +52,19 @@ impl Shader<'_> {
         scratch: &mut ShadeScratch,
     ) -> Seen {
         let world = &self.world;
+        // What is seen on thin sheets, and what is left of the light behind them.
+        let (mut sum, mut first) = (Vec3::ZERO, None);
         let mut left = Vec3::ONE;
-        for _ in 0..MAX_FALSE_BOUNDARIES {
+        for _ in 0..MAX_STRAIGHT {
             let end = hit.map_or(f64::INFINITY, |hit| hit.t);
             if let Some((t, found)) = world.lights.met(ray.origin, ray.direction, end) {
                 left *= world.absorbed(&ray, t, &media, scratch);
                 let scale = world.emission_scale(&media);
-                return Seen::light(left * found.radiance * scale, true);
+                return Seen {
+                    light: sum + left * found.radiance * scale,
+                    first,
+                    is_covered: true,
+                };
             }
             left *= world.absorbed(&ray, end, &media, scratch);
             let Some(met) = hit else {
@@ -76,26 +73,43 @@ impl Shader<'_> {
                 } else {
                     world.surroundings_or_backdrop(ray.direction)
                 };
-                return Seen::light(left * behind, false);
+                return Seen {
+                    light: sum + left * behind,
+                    is_covered: first.is_some(),
+                    first,
+                };
             };
-            if let Some(point) = world.interaction(&ray, met, &media, 0.0, scratch) {
-                let mut light = self.turned(&ray, &point, &media, level, weight, scratch);
+            let point = world.interaction(&ray, met, &media, 0.0, scratch);
+            if let Some(point) = &point {
+                let mut light = self.turned(&ray, point, &media, level, weight, scratch);
                 let opacity = world.opacity(&met);
                 if level > 0 && opacity < 1.0 {
                     let behind = world.surroundings_or_backdrop(ray.direction);
                     light = light * opacity + behind * (1.0 - opacity);
                 }
-                return Seen {
-                    light: left * light,
-                    first: Some((met, point.color)),
-                    is_covered: true,
-                };
+                sum += left * light;
+                let first = *first.get_or_insert((met, point.color));
+                let through = point.bsdf.sheet().map_or(Vec3::ZERO, Sheet::transmitted);
+                left *= through;
+                if left.max_element() <= 0.0 {
+                    return Seen {
+                        light: sum,
+                        first: Some(first),
+                        is_covered: true,
+                    };
+                }
+                count(&mut scratch.rays, Scattering::Refraction);
+            } else {
+                media = media.crossed(met.surface, met.entering);
             }
-            media = media.crossed(met.surface, met.entering);
             ray = passed(&ray, &met);
             hit = world.frame.closest_hit(&ray, &mut scratch.trace);
         }
-        Seen::light(Vec3::ZERO, true)
+        Seen {
+            light: sum,
+            first,
+            is_covered: true,
+        }
     }
 
     /// Light from a surface towards the viewer.
@@ -142,6 +156,9 @@ impl Shader<'_> {
             let seen = self.branch(ray, hit, media, level + 1, weight, scratch);
             part * seen.light
         };
+        if let Some(sheet) = point.bsdf.sheet() {
+            return light + follow(mirror, sheet.reflected(), Scattering::Reflection);
+        }
         let (material, _) = world.material(point.hit.surface);
         match material.kind {
             MaterialKind::Diffuse | MaterialKind::Foam => {

@@ -128,6 +128,10 @@ ior = 1.52
 absorption = [0.9, 1, 0.95]
 absorption_depth = 0.1
 priority = 3
+
+[material.window]
+type = "glass"
+thin = true
 "##;
 
 fn full() -> Scene {
@@ -242,6 +246,13 @@ fn full() -> Scene {
                     absorption: Some(Color([0.9, 1.0, 0.95])),
                     absorption_depth: Some(0.1),
                     priority: Some(3),
+                    ..Material::of(MaterialKind::Glass, None)
+                },
+            ),
+            (
+                "window".to_owned(),
+                Material {
+                    thin: Some(true),
                     ..Material::of(MaterialKind::Glass, None)
                 },
             ),

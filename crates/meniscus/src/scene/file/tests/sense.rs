@@ -205,6 +205,16 @@ fn senseless_values_are_pointed_at() {
             "`absorption_depth` must be a positive number",
         ),
         (
+            "[material.m]\ntype = \"glass\"\nthin = true\npriority = 3",
+            "3",
+            "a material of type `glass (thin)` takes no `priority`",
+        ),
+        (
+            "[material.m]\ntype = \"metal\"\nthin = true",
+            "true",
+            "takes no `thin`",
+        ),
+        (
             "[material.m]\ntype = \"metal\"\nior = 1.5",
             "1.5",
             "takes no `ior`",

@@ -24,6 +24,7 @@ fn white_balls_of_every_material_vanish_in_white_light() {
     ] {
         materials.push(rough(material(kind), 0.5));
     }
+    materials.push(thin_glass(1.0));
     for material in materials {
         let frame = furnace(material.clone(), 1.0);
         for height in [0.0, 0.5, 0.9] {
@@ -35,6 +36,117 @@ fn white_balls_of_every_material_vanish_in_white_light() {
             );
         }
     }
+}
+
+/// A thin sheet that leaves `left` of the light that goes through its thickness.
+fn thin_glass(left: f64) -> Material {
+    Material {
+        thin: Some(true),
+        absorption: Some(Color([left; 3])),
+        ..material(MaterialKind::Glass)
+    }
+}
+
+/// A white floor under a thin pane at height 1 in its own light.
+fn floor_under_a_pane(light: Light) -> Frame {
+    let mut scene = Scene::default();
+    for (name, height, material) in [
+        ("floor", 0.0, material(MaterialKind::Diffuse)),
+        ("pane", 1.0, thin_glass(0.5)),
+    ] {
+        scene.materials.insert(name.to_owned(), material);
+        scene.planes.push(Plane {
+            point: DVec3::Y * height,
+            material: Some(name.to_owned()),
+            ..Plane::default()
+        });
+    }
+    let mut frame = lit(&scene, Vec::new());
+    frame.lights = vec![light];
+    frame
+}
+
+/// Part of the light that a pane of glass lets through that absorbs half of it head on.
+fn pane_transmittance(cosine: f64) -> f64 {
+    let (face, other) = crate::shade::bsdf::dielectric_reflectance(cosine, 1.0 / 1.517);
+    let once = 0.5_f64.powf(1.0 / other.unwrap());
+    (1.0 - face).powi(2) * once / (1.0 - (face * once).powi(2))
+}
+
+#[test]
+fn light_goes_straight_through_thin_panes_by_both_ways() {
+    let eye = DVec3::new(0.3, 0.8, 0.0);
+    let ray = Ray::new(eye, -eye.normalize());
+    // One surface: what the floor throws up and the pane mirrors down again does not count.
+    let close = |light: Light, expected: f64| {
+        let frame = floor_under_a_pane(light.clone());
+        let (seen, error) = mean(&frame, &path_settings(1), &ray, 8192);
+        assert!(
+            (seen - expected).abs() < 4.0 * error + 4e-3 * expected,
+            "{light:?}: {seen} ± {error} for {expected}"
+        );
+    };
+    // A lamp that drawn directions find, and a sky that scattered rays alone find.
+    let angle: f64 = 0.6;
+    close(
+        Light::Sun {
+            towards: DVec3::new(angle.sin(), angle.cos(), 0.0),
+            radiance: [2.0; 3],
+            half_angle: 0.01,
+        },
+        2.0 * angle.cos() * pane_transmittance(angle.cos()),
+    );
+    let steps = 2000;
+    let sky: f64 = (0..steps)
+        .map(|i| (f64::from(i) + 0.5) / f64::from(steps))
+        .map(|cosine| 2.0 * cosine * pane_transmittance(cosine) / f64::from(steps))
+        .sum();
+    close(Light::Constant { radiance: [1.0; 3] }, sky);
+    // A large lamp near by is found by both.
+    let lamp = |steps: i32| -> f64 {
+        let mut sum = 0.0;
+        for i in 0..steps {
+            for j in 0..steps {
+                let at = |k: i32| (f64::from(k) + 0.5) / f64::from(steps) * 4.0 - 2.0;
+                let towards = DVec3::new(at(i), 1.5, at(j));
+                let squared = towards.length_squared();
+                let cosine = 1.5 / squared.sqrt();
+                sum += cosine * cosine / squared * pane_transmittance(cosine);
+            }
+        }
+        sum * 16.0 / f64::from(steps * steps) / PI
+    };
+    close(
+        Light::Rectangle {
+            center: DVec3::Y * 1.5,
+            edges: [DVec3::X * 4.0, DVec3::Z * 4.0],
+            radiance: [1.0; 3],
+        },
+        lamp(400),
+    );
+}
+
+#[test]
+fn panes_show_what_is_behind_them_and_mirror_what_is_before() {
+    let frame = floor_under_a_pane(Light::Constant { radiance: [1.0; 3] });
+    let ray = Ray::new(DVec3::Y * 2.0, DVec3::NEG_Y);
+    let through = pane_transmittance(1.0);
+    let (face, _) = crate::shade::bsdf::dielectric_reflectance(1.0, 1.0 / 1.517);
+    let mirrored = face * (1.0 + 0.5 * through);
+    let whitted = ShadeSettings {
+        integrator: IntegratorSettings {
+            kind: IntegratorKind::Whitted,
+            ..IntegratorSettings::default()
+        },
+        ..ShadeSettings::default()
+    };
+    // `whitted` lights the floor unshaded.
+    let (seen, _) = mean(&frame, &whitted, &ray, 1);
+    assert!((seen - (mirrored + through)).abs() < 1e-4, "{seen}");
+    let shader = Shader::new(&frame, &whitted);
+    let mut sampler = PixelSampler::new([0, 0], 0, 0);
+    let first = see(&shader, &ray, &mut sampler, &mut ShadeScratch::default());
+    assert!((first.hit.unwrap().t - 1.0).abs() < 1e-6);
 }
 
 #[test]

@@ -1,9 +1,11 @@
-//! Writes the meshes of the scenes that stand in `scenes/`: a tank for the pool and a ring.
+//! Writes what the scenes in `scenes/` need beside particles: a tank, a ring and a sky.
 //!
 //! ```text
-//! cargo run -p meniscus --example scene_meshes -- scenes
+//! cargo run -p meniscus --example scene_files -- scenes
 //! ```
 
+use image::Rgb;
+use image::codecs::hdr::HdrEncoder;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -11,7 +13,47 @@ use std::path::PathBuf;
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
     std::fs::write(folder.join("tank.obj"), tank(0.03, 0.012, 0.5))?;
-    std::fs::write(folder.join("ring.obj"), ring(1.0, 0.12, [64, 16]))
+    std::fs::write(folder.join("ring.obj"), ring(1.0, 0.12, [64, 16]))?;
+    let file = std::fs::File::create(folder.join("sky.hdr"))?;
+    HdrEncoder::new(file)
+        .encode(&sky(SKY_SIZE), SKY_SIZE[0], SKY_SIZE[1])
+        .map_err(std::io::Error::other)
+}
+
+/// Texels of the sky image.
+const SKY_SIZE: [usize; 2] = [256, 128];
+
+/// A clear evening by formula, y up: blue above, warm towards the low sun, gray below. The sun is a soft
+/// disk of 4 degrees, which these texels can show.
+fn sky([width, height]: [usize; 2]) -> Vec<Rgb<f32>> {
+    let sun = direction(0.62, 0.19);
+    let mix = |a: [f32; 3], b: [f32; 3], t: f32| -> [f32; 3] {
+        std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
+    };
+    let texels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    let color = |(column, row): (usize, usize)| {
+        let across = (column as f64 + 0.5) / width as f64;
+        let down = (row as f64 + 0.5) / height as f64;
+        let towards = direction(across, 0.5 - down);
+        let up = towards[1] as f32;
+        let cosine: f64 = (0..3).map(|axis| towards[axis] * sun[axis]).sum();
+        let away = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+        let sky = mix([0.85, 0.80, 0.74], [0.16, 0.30, 0.62], up.max(0.0).sqrt());
+        let sky = mix(sky, [0.30, 0.28, 0.26], (-8.0 * up).clamp(0.0, 1.0));
+        let glow = 1.2 * (-away / 14.0).exp() as f32;
+        let disk = 420.0 * (1.0 - ((away - 1.6) / 0.8).clamp(0.0, 1.0)) as f32;
+        Rgb(std::array::from_fn(|c| {
+            sky[c] + (glow + disk) * [1.0, 0.86, 0.66][c]
+        }))
+    };
+    texels.map(color).collect()
+}
+
+/// Unit vector at `across` of a turn and `up` of half a turn over the horizon.
+fn direction(across: f64, up: f64) -> [f64; 3] {
+    let (sin, cos) = (TAU * across).sin_cos();
+    let (height, reach) = (0.5 * TAU * up).sin_cos();
+    [reach * cos, height, reach * sin]
 }
 
 /// An open-topped tank around the unit square: one closed solid, z up. Its walls reach `lap` into the
