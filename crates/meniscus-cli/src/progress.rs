@@ -192,7 +192,8 @@ impl Reporter {
         let Ok(mut state) = self.state.lock() else {
             return;
         };
-        let whole = (state.index as f64 + fraction) / state.frames as f64;
+        // Of a running simulation nobody knows how many frames come.
+        let whole = ((state.index as f64 + fraction) / state.frames as f64).min(1.0);
         match &self.display {
             Display::Bar(bar) => bar.set_position((whole * RESOLUTION as f64) as u64),
             Display::Json => {

@@ -12,4 +12,5 @@ mod interrupt;
 mod options;
 mod render;
 mod run;
+mod sequence;
 mod trace;

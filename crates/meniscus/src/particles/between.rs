@@ -30,6 +30,8 @@ pub enum Identity {
 /// A frame and its moment.
 #[derive(Debug, Clone)]
 pub struct Moment {
+    /// What errors call it, such as its file.
+    pub name: String,
     /// The particles.
     pub particles: Arc<Particles>,
     /// The time, in the unit that velocities count in.
@@ -50,16 +52,20 @@ pub struct BetweenSettings {
 pub enum BetweenError {
     /// No ids.
     #[error(
-        "a frame has no column of ids to know its particles by in the next frame: expected a column \
+        "{frame}: no column of ids to know the particles by in the next frame: expected a column \
          `id` (or particle_id, ids, pid, gid, idx); there are {there}"
     )]
     NoIds {
+        /// The frame.
+        frame: String,
         /// The columns there are.
         there: String,
     },
     /// One id, two particles.
-    #[error("column `{column}` has id {id} twice, in rows {first} and {second} of a frame")]
+    #[error("{frame}: column `{column}` has id {id} twice, in rows {first} and {second}")]
     Duplicate {
+        /// The frame.
+        frame: String,
         /// The column.
         column: String,
         /// The id.
@@ -138,7 +144,7 @@ pub struct Pair {
 
 impl Pair {
     /// Joins frame `earlier` to `later`. The frames before and after them, where there are any, help to
-    /// estimate velocities that the files do not give.
+    /// estimate velocities that the files do not give. The times of all must rise.
     ///
     /// # Errors
     /// When particles have no ids or share one.
@@ -149,7 +155,7 @@ impl Pair {
         after: Option<&Moment>,
         settings: &BetweenSettings,
     ) -> Result<Self, BetweenError> {
-        let keys = |moment: &Moment| Keys::new(&moment.particles, settings.identity);
+        let keys = |moment: &Moment| Keys::new(moment, settings.identity);
         let (earlier_keys, later_keys) = (keys(earlier)?, keys(later)?);
         let (a, b) = (&*earlier.particles, &*later.particles);
         let mut places = Vec::with_capacity(a.len());
@@ -298,7 +304,8 @@ struct Keys {
 }
 
 impl Keys {
-    fn new(particles: &Particles, identity: Identity) -> Result<Self, BetweenError> {
+    fn new(moment: &Moment, identity: Identity) -> Result<Self, BetweenError> {
+        let particles = &*moment.particles;
         let (column, of_particle): (_, Vec<u64>) = match identity {
             Identity::Rows => (
                 "row",
@@ -307,6 +314,7 @@ impl Keys {
             Identity::Ids => {
                 let ids = particles.role(Role::Id).and_then(|ids| ids.first_column());
                 let ids = ids.ok_or_else(|| BetweenError::NoIds {
+                    frame: moment.name.clone(),
                     there: columns_of(particles),
                 })?;
                 // + 0: there is one zero.
@@ -322,6 +330,7 @@ impl Keys {
                 }
                 Entry::Occupied(entry) => {
                     return Err(BetweenError::Duplicate {
+                        frame: moment.name.clone(),
                         column: column.to_owned(),
                         id: match identity {
                             Identity::Ids => f64::from_bits(key),

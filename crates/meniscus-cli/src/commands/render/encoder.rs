@@ -82,13 +82,13 @@ impl Encoder {
             None => Ok(()),
         };
         // It closes its end when it fails, and says why on standard error.
-        written.or_else(|_| self.finish())
+        written.or_else(|_| self.finish(false))
     }
 
-    /// Ends the film; without an error it is whole.
-    pub(super) fn finish(&mut self) -> Outcome {
+    /// Ends the film, in spite of Ctrl-C if `is_sure`; without an error it is whole.
+    pub(super) fn finish(&mut self, is_sure: bool) -> Outcome {
         let was_closed = self.input.take().is_none();
-        let status = self.wait()?;
+        let status = self.wait(is_sure)?;
         if status.success() && !was_closed {
             return Ok(());
         }
@@ -104,13 +104,15 @@ impl Encoder {
         )
     }
 
-    fn wait(&mut self) -> Outcome<ExitStatus> {
+    fn wait(&mut self, is_sure: bool) -> Outcome<ExitStatus> {
         let failed = |error: std::io::Error| Failure::work(format!("{PROGRAM}: {error}"));
         loop {
             if let Some(status) = self.child.try_wait().map_err(failed)? {
                 return Ok(status);
             }
-            interrupt::check()?;
+            if !is_sure {
+                interrupt::check()?;
+            }
             std::thread::sleep(POLL);
         }
     }

@@ -13,8 +13,9 @@ use meniscus::scene::{Scene, Surface};
 
 /// A default camera, the ground and radii that are estimated, which the first frame of a sequence
 /// decides.
+#[derive(Default)]
 pub(super) struct Fixed {
-    first: FrameInput,
+    first: Option<FrameInput>,
     /// What the first frame says, once it is known.
     found: Option<Found>,
 }
@@ -28,12 +29,9 @@ struct Found {
 }
 
 impl Fixed {
-    /// As `first` decides.
-    pub(super) fn of(first: &FrameInput) -> Self {
-        Self {
-            first: first.clone(),
-            found: None,
-        }
+    /// Lets `first` decide, unless another frame does already.
+    pub(super) fn decided_by(&mut self, first: &FrameInput) {
+        self.first.get_or_insert_with(|| first.clone());
     }
 
     /// The scene of a frame with what the first one decides.
@@ -55,7 +53,8 @@ impl Fixed {
         let found = match &self.found {
             Some(found) => found,
             None => {
-                let found = self.ask_first(engine, reporter)?;
+                let first = self.first.as_ref().unwrap_or(input);
+                let found = ask(first, engine, reporter)?;
                 self.found.insert(found)
             }
         };
@@ -71,37 +70,38 @@ impl Fixed {
         }
         Ok(scene)
     }
+}
 
-    fn ask_first(&self, engine: &EngineChoice, reporter: &Reporter) -> Outcome<Found> {
-        let scene = &self.first.scene;
-        // Its warnings come when it is rendered.
-        let loaded = load::load(&self.first, scene, &[], engine, &Reporter::silent())?;
-        let bounds = loaded.frame.framing_bounds();
-        let camera = picture::camera(scene, &loaded.frame)?;
-        let Camera { eye, forward, .. } = camera;
-        let up = scene.camera.up.vector();
-        let half = bounds.size() * 0.5;
-        let lowest = bounds.center().dot(up) - half.dot(up.abs());
-        let target = scene
-            .camera
-            .target
-            .unwrap_or(eye + forward * (bounds.center() - eye).length());
-        let radii = loaded.reports.iter().zip(&self.first.files);
-        let radii = radii.map(|(report, path)| {
-            let is_estimate = report.support_source == SupportSource::Estimate;
-            let radius = is_estimate.then_some(report.spacing? * 0.5)?;
-            reporter.warn(&format!(
-                "{}: the particles have no radius: took half their median nearest-neighbour \
+/// What the first frame says.
+fn ask(first: &FrameInput, engine: &EngineChoice, reporter: &Reporter) -> Outcome<Found> {
+    let scene = &first.scene;
+    // Its warnings come when it is rendered.
+    let loaded = load::load(first, scene, &[], engine, &Reporter::silent())?;
+    let bounds = loaded.frame.framing_bounds();
+    let camera = picture::camera(scene, &loaded.frame)?;
+    let Camera { eye, forward, .. } = camera;
+    let up = scene.camera.up.vector();
+    let half = bounds.size() * 0.5;
+    let lowest = bounds.center().dot(up) - half.dot(up.abs());
+    let target = scene
+        .camera
+        .target
+        .unwrap_or(eye + forward * (bounds.center() - eye).length());
+    let radii = loaded.reports.iter().zip(&first.files);
+    let radii = radii.map(|(report, path)| {
+        let is_estimate = report.support_source == SupportSource::Estimate;
+        let radius = is_estimate.then_some(report.spacing? * 0.5)?;
+        reporter.warn(&format!(
+            "{}: the particles have no radius: took half their median nearest-neighbour \
                  distance, {radius:.6}, for all frames; --radius sets another",
-                path.display()
-            ));
-            Some(radius)
-        });
-        Ok(Found {
-            eye,
-            target,
-            ground_height: if lowest.is_finite() { lowest } else { 0.0 },
-            radii: radii.collect(),
-        })
-    }
+            path.display()
+        ));
+        Some(radius)
+    });
+    Ok(Found {
+        eye,
+        target,
+        ground_height: if lowest.is_finite() { lowest } else { 0.0 },
+        radii: radii.collect(),
+    })
 }

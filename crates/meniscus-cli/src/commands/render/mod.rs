@@ -3,6 +3,7 @@
 mod ahead;
 mod encoder;
 mod fixed;
+mod join;
 mod movie;
 mod options;
 mod picture;
@@ -15,10 +16,12 @@ use crate::job::engine::EngineChoice;
 use crate::job::files;
 use crate::job::input;
 use crate::job::output::{PictureFormat, Target};
+use crate::job::watch::Watch;
 use crate::progress::Reporter;
 use crate::stats::FrameStats;
-use ahead::{Loader, Step};
+use ahead::{Loader, Schedule, Step};
 use fixed::Fixed;
+use join::Joiner;
 use meniscus::render::RenderState;
 use meniscus::scene::Scene;
 use movie::Movie;
@@ -34,25 +37,38 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
     let selection = options::selection(args)?;
     let engine = EngineChoice::new(&args.engine)?;
     let edit = |scene: &mut Scene| options::edit_scene(args, format, scene);
-    let inputs = input::resolve(&args.inputs, selection.as_ref(), &edit)?;
-    let is_sequence = inputs.is_sequence;
-    warn_of_missing(&inputs.missing, &reporter);
-    let fixed = is_sequence.then(|| Fixed::of(&inputs.first));
-    let mut jobs = match args.turntable {
-        None => plan::frames(inputs, &target)?,
-        Some(count) => plan::turns(inputs, &target, count)?,
+    let (jobs, fixed, is_sequence) = if args.watch {
+        plan::check_outputs(args, &target, &[])?;
+        (None, Some(Fixed::default()), true)
+    } else {
+        let inputs = input::resolve(&args.inputs, selection.as_ref(), &edit)?;
+        inputs
+            .warnings
+            .iter()
+            .for_each(|words| reporter.warn(words));
+        let is_sequence = inputs.is_sequence;
+        let mut fixed = (is_sequence || options.slow_motion.is_some()).then(Fixed::default);
+        if let Some(fixed) = &mut fixed {
+            fixed.decided_by(&inputs.first);
+        }
+        let mut jobs = match (args.turntable, options.slow_motion) {
+            (None, None) => plan::frames(inputs, &target)?,
+            (None, Some(factor)) => plan::moments(inputs, &target, factor)?,
+            (Some(count), _) => plan::turns(inputs, &target, count)?,
+        };
+        plan::check_outputs(args, &target, &jobs)?;
+        if args.resume {
+            plan::leave_out_finished(&mut jobs, &target, &reporter);
+        }
+        (Some(jobs), fixed, is_sequence || args.turntable.is_some())
     };
-    plan::check_outputs(args, &target, &jobs)?;
-    if args.resume {
-        plan::leave_out_finished(&mut jobs, &target, &reporter);
-    }
     let movie = match &target {
-        Target::Film(film) if !jobs.is_empty() => {
+        Target::Film(film) if jobs.as_ref().is_none_or(|jobs| !jobs.is_empty()) => {
             Some(Movie::start(film, options.fps, args.resume)?)
         }
         Target::Film(_) | Target::Picture(_) | Target::Pattern(_) => None,
     };
-    reporter.start(jobs.len());
+    reporter.start(jobs.as_ref().map_or(0, Vec::len));
     let mut production = Production {
         options: &options,
         engine: &engine,
@@ -62,15 +78,35 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
         stats: Vec::new(),
         index: 0,
     };
+    let schedule = match jobs {
+        Some(jobs) => Schedule::List(jobs.into_iter()),
+        None => Schedule::Watch {
+            watch: Watch::new(
+                &args.inputs,
+                selection.as_ref(),
+                &edit,
+                options.watch_timeout,
+            )?,
+            target: &target,
+            resumes: args.resume,
+        },
+    };
     let loader = Loader {
-        jobs: jobs.into_iter(),
+        schedule,
         fixed,
+        joiner: Joiner::new(options.fps, options.velocity_scale),
         aov: &options.aov,
         engine: &engine,
         last: None,
     };
     let worked = ahead::for_each(loader, &reporter, |step| production.take(step));
-    let ended = worked.and_then(|()| production.end());
+    let ended = match worked {
+        // Whoever watches ends with Ctrl-C, and has a film of what there was.
+        Err(Failure::Interrupted) if args.watch => {
+            production.end(true).and(Err(Failure::Interrupted))
+        }
+        worked => worked.and_then(|()| production.end(false)),
+    };
     if ended.is_err() {
         production.tell_what_stays();
     }
@@ -84,24 +120,6 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
     }
     reporter.finish();
     Ok(())
-}
-
-/// Most gaps that are named.
-const MOST_GAPS: usize = 5;
-
-fn warn_of_missing(missing: &[String], reporter: &Reporter) {
-    if missing.is_empty() {
-        return;
-    }
-    let shown = &missing[..missing.len().min(MOST_GAPS)];
-    let more = match missing.len() - shown.len() {
-        0 => String::new(),
-        more => format!(" and {more} more gaps"),
-    };
-    reporter.warn(&format!(
-        "missing in the middle of the sequence: {}{more}; the others are rendered",
-        shown.join(", ")
-    ));
 }
 
 /// What goes on from picture to picture.
@@ -141,17 +159,22 @@ impl Production<'_> {
         }
     }
 
-    /// Ends the film.
-    fn end(&mut self) -> Outcome {
+    /// Ends the film, in spite of Ctrl-C if `is_sure`.
+    fn end(&mut self, is_sure: bool) -> Outcome {
         let Some(movie) = &mut self.movie else {
             return Ok(());
         };
+        if movie.frames() == 0 {
+            self.reporter
+                .warn("there was no frame, so there is no film");
+            return Ok(());
+        }
         if movie.frames() == 1 {
             self.reporter.warn(
                 "the film has one frame; name a pattern such as 'frame_{}.vtk', or --turntable",
             );
         }
-        movie.finish()
+        movie.finish(is_sure)
     }
 
     /// After a failure: which pictures of the film are kept.

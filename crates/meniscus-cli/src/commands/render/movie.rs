@@ -80,9 +80,9 @@ impl Movie {
         self.pushed.len()
     }
 
-    /// Ends the film and puts it in its place.
-    pub(super) fn finish(&mut self) -> Outcome {
-        self.encoder.finish()?;
+    /// Ends the film and puts it in its place, in spite of Ctrl-C if `is_sure`.
+    pub(super) fn finish(&mut self, is_sure: bool) -> Outcome {
+        self.encoder.finish(is_sure)?;
         std::fs::rename(self.folder.join(UNFINISHED), &self.film).map_err(|error| {
             Failure::work(format!("cannot write {}: {error}", self.film.display()))
         })?;

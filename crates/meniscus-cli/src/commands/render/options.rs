@@ -30,8 +30,14 @@ pub(crate) struct PictureOptions {
     pub samples: Option<Range<u32>>,
     /// When to stop adding samples.
     pub time_limit: Option<Duration>,
-    /// Frames per second of a film.
+    /// Frames per second of a film, and of the input.
     pub fps: f64,
+    /// Pictures for each frame of the input, where there are more than one.
+    pub slow_motion: Option<f64>,
+    /// Factor that turns the particles' velocities into units of length per second.
+    pub velocity_scale: f64,
+    /// Longest wait for the next frame of a running simulation.
+    pub watch_timeout: Option<Duration>,
     /// Whether the noise is taken out at the end.
     pub denoise: bool,
     /// The one legend of a sequence whose colour range is fixed; else each picture has its own.
@@ -59,7 +65,8 @@ impl PictureOptions {
             );
         }
         let is_film = format == PictureFormat::Mp4;
-        if args.fps.is_some() && !is_film {
+        check_kinds_of_sequence(args, format)?;
+        if args.fps.is_some() && !is_film && args.slow_motion.is_none() {
             reporter.warn("--fps changes nothing: pictures without shutter time have no speed");
         }
         if is_film && args.png_depth != 8 {
@@ -107,6 +114,9 @@ impl PictureOptions {
                 .map(|range| range.first..range.last.saturating_add(1)),
             time_limit: args.time_limit.map(time_limit).transpose()?,
             fps: fps(args.fps)?,
+            slow_motion: args.slow_motion,
+            velocity_scale: velocity_scale(args, reporter)?,
+            watch_timeout: watch_timeout(args)?,
             denoise: args.denoise,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
         })
@@ -128,6 +138,33 @@ fn fps(given: Option<f64>) -> Outcome<f64> {
     )))
 }
 
+/// One picture cannot belong to two kinds of sequence.
+fn check_kinds_of_sequence(args: &RenderArgs, format: PictureFormat) -> Outcome {
+    let kinds = [
+        ("--turntable", args.turntable.is_some()),
+        ("--slow-motion", args.slow_motion.is_some()),
+        ("--watch", args.watch),
+    ];
+    let given: Vec<&str> = kinds
+        .iter()
+        .filter(|kind| kind.1)
+        .map(|kind| kind.0)
+        .collect();
+    if let [first, second, ..] = given[..] {
+        return Err(Failure::wrong(format!(
+            "{first} and {second} do not go together"
+        )));
+    }
+    if args.watch && format != PictureFormat::Mp4 && !is_pattern(&args.output) {
+        return Err(Failure::wrong(format!(
+            "--watch writes a picture for every frame, which cannot all go to {}",
+            args.output.display()
+        ))
+        .with_help("put {} where the frame number goes, as in -o 'frame_{}.png', or write .mp4"));
+    }
+    Ok(())
+}
+
 /// Whether the noise can be taken out of the picture.
 fn check_denoise(args: &RenderArgs) -> Outcome {
     if args.denoise && !Film::CAN_DENOISE {
@@ -145,6 +182,34 @@ fn check_denoise(args: &RenderArgs) -> Outcome {
         ));
     }
     Ok(())
+}
+
+fn velocity_scale(args: &RenderArgs, reporter: &Reporter) -> Outcome<f64> {
+    let scale = args.velocity_scale.unwrap_or(1.0);
+    if !(scale.is_finite() && scale != 0.0) {
+        return Err(Failure::wrong(format!(
+            "--velocity-scale must be a number other than 0, not {scale}"
+        )));
+    }
+    if args.velocity_scale.is_some() && args.slow_motion.is_none() {
+        reporter.warn("--velocity-scale changes nothing without --slow-motion");
+    }
+    Ok(scale)
+}
+
+fn watch_timeout(args: &RenderArgs) -> Outcome<Option<Duration>> {
+    let Some(secs) = args.watch_timeout else {
+        return Ok(None);
+    };
+    if !args.watch {
+        return Err(Failure::wrong("--watch-timeout needs --watch"));
+    }
+    match Duration::try_from_secs_f64(secs) {
+        Ok(timeout) => Ok(Some(timeout)),
+        Err(_) => Err(Failure::wrong(format!(
+            "--watch-timeout must be a number of seconds, not {secs}"
+        ))),
+    }
 }
 
 fn time_limit(secs: f64) -> Outcome<Duration> {

@@ -59,6 +59,7 @@ fn moment(throws: &[Throw], time: f64, with: With) -> Moment {
             .push(Column::new("acceleration", 3, values));
     }
     Moment {
+        name: format!("frame at {time}"),
         particles: Arc::new(particles),
         time,
     }
@@ -182,6 +183,7 @@ fn columns_are_blended_or_chosen() {
             Column::new("kind", 1, kinds.to_vec()),
         ];
         Moment {
+            name: format!("frame at {time}"),
             particles: Arc::new(particles),
             time,
         }
