@@ -26,7 +26,11 @@ fn denoising_takes_noise_away_or_says_how_to_get_it() {
         folder.fails(
             &format!("{picture} -o out.exr --denoise"),
             2,
-            &["built without Open Image Denoise", "OIDN_DIR", "--features oidn"],
+            &[
+                "built without Open Image Denoise",
+                "OIDN_DIR",
+                "--features oidn",
+            ],
         );
         return;
     }

@@ -105,7 +105,10 @@ mod tests {
     #[test]
     fn a_sheet_of_air_in_glass_reflects_everything_beyond_the_critical_angle() {
         let total = Sheet::new(0.3, 1.5, Vec3::ZERO);
-        assert_eq!((total.reflected, total.transmitted), (Vec3::ONE, Vec3::ZERO));
+        assert_eq!(
+            (total.reflected, total.transmitted),
+            (Vec3::ONE, Vec3::ZERO)
+        );
         let sample = total.sample(DVec3::Z, 0.999_999);
         assert_eq!(sample.scattering, Scattering::Reflection);
         let grazing = Sheet::new(0.0, 1.0 / 1.5, Vec3::ZERO);

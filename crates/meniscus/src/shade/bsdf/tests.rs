@@ -75,7 +75,11 @@ fn white_surfaces_in_white_light_are_white_by_sampling() {
     let count = 4096;
     for roughness in ROUGHNESSES {
         let sheet = Bsdf::Sheet(Sheet::new(0.6, 1.0 / 1.5, Vec3::ZERO));
-        for (name, bsdf) in models.white(roughness).into_iter().chain([("sheet", sheet)]) {
+        for (name, bsdf) in models
+            .white(roughness)
+            .into_iter()
+            .chain([("sheet", sheet)])
+        {
             for cosine in COSINES {
                 let view = view_at(cosine);
                 let mut sum = 0.0;
