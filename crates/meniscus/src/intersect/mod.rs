@@ -5,6 +5,7 @@ pub mod interval;
 pub mod metaballs;
 pub mod particles;
 mod clip;
+mod coinciding;
 mod mesh;
 mod solids;
 mod solve;

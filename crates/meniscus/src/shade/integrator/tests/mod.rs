@@ -1,6 +1,7 @@
 //! Integrators against closed forms and furnaces: what both kinds of test stand on.
 
 mod closed_forms;
+mod contacts;
 mod energy;
 
 use super::*;
