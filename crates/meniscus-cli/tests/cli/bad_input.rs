@@ -137,7 +137,7 @@ fn settings_out_of_range() {
 #[test]
 fn what_is_announced_and_not_there_yet_is_said() {
     let folder = Folder::with_water();
-    for flags in ["--engine peel", "--device gpu", "--shutter 0.5"] {
+    for flags in ["--engine peel", "--device gpu"] {
         let words = format!("render water.vtk -o out.png {flags}");
         folder.fails(&words, 2, &["not available yet"]);
     }

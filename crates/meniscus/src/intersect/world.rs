@@ -11,7 +11,7 @@ use glam::{DAffine3, DVec3};
 const TOGETHER: usize = 16;
 
 /// Rounding of a ray's origin, relative to the coordinates that it went through.
-const ORIGIN_ERROR: f64 = 256.0 * f64::EPSILON;
+pub(super) const ORIGIN_ERROR: f64 = 256.0 * f64::EPSILON;
 
 /// Buffers for rays in an object's space.
 #[derive(Debug, Default)]
@@ -34,10 +34,11 @@ impl Geometry {
         }
     }
 
-    /// Which side an object-space point lies on; open meshes have no inside.
-    pub fn side(&self, point: DVec3, scratch: &mut Scratch) -> Side {
+    /// Which side an object-space point lies on at a time (seconds relative to the frame); open meshes
+    /// have no inside.
+    pub fn side(&self, point: DVec3, time_secs: f64, scratch: &mut Scratch) -> Side {
         match self {
-            Self::Blobs(blobs) => blobs.field.side(point - blobs.field.origin),
+            Self::Blobs(blobs) => blobs.field.at(time_secs).side(point - blobs.field.origin),
             Self::Mesh(mesh) => mesh.side(point, &mut scratch.nodes),
             Self::Sphere(sphere) => sphere.side(point),
             Self::Plane(plane) if plane.height(point) < 0.0 => Side::Inside,
@@ -46,7 +47,7 @@ impl Geometry {
     }
 
     fn is_inside(&self, ray: &Ray, t: f64, scratch: &mut Scratch) -> bool {
-        self.side(ray.at(t), scratch) == Side::Inside
+        self.side(ray.at(t), ray.time, scratch) == Side::Inside
     }
 }
 
@@ -161,22 +162,11 @@ impl Frame {
                 }
             }
             Geometry::Plane(plane) => {
-                let matrix = instance.object_from_world.matrix3.transpose();
                 for (hit, moved) in hits.iter_mut().zip(moved) {
                     let error = plane_error(instance, moved, plane);
                     if let Some((t, entering)) = plane.closest(moved, error) {
-                        let normal = (matrix * plane.normal).normalize_or_zero();
-                        *hit = Some(Hit {
-                            t,
-                            position: instance
-                                .world_from_object
-                                .transform_point3(on_plane(plane, moved.at(t))),
-                            normal,
-                            shading_normal: normal,
-                            surface: surface as u32,
-                            blob: None,
-                            entering,
-                        });
+                        let found = plane_hit(plane, moved.at(t), t, entering);
+                        *hit = Some(placed(surface, instance, &found));
                     }
                 }
             }
@@ -210,7 +200,10 @@ impl Frame {
             normal: plane.normal,
             shading_normal: plane.normal,
             surface: surface as u32,
-            blob: blobs.and_then(|blobs| blobs.field.strongest(object - blobs.field.origin)),
+            blob: blobs.and_then(|blobs| {
+                let local = object - blobs.field.origin;
+                blobs.field.at(ray.time).strongest(local)
+            }),
             entering,
         }
     }
@@ -369,14 +362,16 @@ impl Frame {
         crossings[first..].sort_by(|a, b| a.t.total_cmp(&b.t));
     }
 
-    /// On which side of surface `surface` a world point lies; what is cut away is outside.
-    pub fn side(&self, surface: u32, point: DVec3, scratch: &mut Scratch) -> Side {
+    /// On which side of surface `surface` a world point lies at a time (seconds relative to the frame);
+    /// what is cut away is outside.
+    pub fn side(&self, surface: u32, point: DVec3, time_secs: f64, scratch: &mut Scratch) -> Side {
         let instance = &self.instances[surface as usize];
         let geometry = &self.geometries[instance.geometry as usize];
         if geometry.is_cut() && self.clips.iter().any(|plane| plane.height(point) > 0.0) {
             return Side::Outside;
         }
-        geometry.side(instance.object_from_world.transform_point3(point), scratch)
+        let object = instance.object_from_world.transform_point3(point);
+        geometry.side(object, time_secs, scratch)
     }
 
     /// Whether a ray's point at `t_min` lies inside a blob surface, a closed mesh or a sphere, and is
@@ -385,7 +380,7 @@ impl Frame {
         let start = ray.at(ray.t_min);
         (0_u32..).zip(&self.instances).any(|(surface, instance)| {
             self.geometries[instance.geometry as usize].is_cut()
-                && self.side(surface, start, scratch) == Side::Inside
+                && self.side(surface, start, ray.time, scratch) == Side::Inside
         })
     }
 }
@@ -430,8 +425,19 @@ fn leaving_cap(
     (may_be_inside && geometry.is_inside(moved, leave, scratch)).then_some((leave, plane))
 }
 
-/// A hit on a mesh or sphere in world space.
-fn placed(surface: usize, instance: &Instance, found: &SolidHit) -> Hit {
+/// A hit on a plane at `point` in its own space.
+pub(super) fn plane_hit(plane: &Plane, point: DVec3, t: f64, entering: bool) -> SolidHit {
+    SolidHit {
+        t,
+        position: on_plane(plane, point),
+        outward: plane.normal,
+        shading: plane.normal,
+        entering,
+    }
+}
+
+/// A hit on a mesh, sphere or plane in world space.
+pub(super) fn placed(surface: usize, instance: &Instance, found: &SolidHit) -> Hit {
     let matrix = instance.object_from_world.matrix3.transpose();
     Hit {
         t: found.t,
@@ -445,14 +451,14 @@ fn placed(surface: usize, instance: &Instance, found: &SolidHit) -> Hit {
 }
 
 /// How far rounding may have moved the origin of an object-space ray.
-fn origin_error(instance: &Instance, moved: &Ray) -> f64 {
+pub(super) fn origin_error(instance: &Instance, moved: &Ray) -> f64 {
     let size = moved.at(moved.t_min).abs().max_element();
     let shift = instance.object_from_world.translation.abs().max_element();
     ORIGIN_ERROR * (size + shift)
 }
 
 /// [`origin_error`] for a plane, whose own coordinates may be larger.
-fn plane_error(instance: &Instance, moved: &Ray, plane: &Plane) -> f64 {
+pub(super) fn plane_error(instance: &Instance, moved: &Ray, plane: &Plane) -> f64 {
     origin_error(instance, moved) + ORIGIN_ERROR * plane.point.abs().max_element()
 }
 
@@ -470,7 +476,7 @@ fn is_identity(object_from_world: &DAffine3) -> bool {
     *object_from_world == DAffine3::IDENTITY
 }
 
-fn transformed(ray: &Ray, object_from_world: &DAffine3) -> Ray {
+pub(super) fn transformed(ray: &Ray, object_from_world: &DAffine3) -> Ray {
     Ray {
         origin: object_from_world.transform_point3(ray.origin),
         direction: object_from_world.transform_vector3(ray.direction),

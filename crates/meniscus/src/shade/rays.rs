@@ -88,6 +88,8 @@ pub struct ShadeScratch {
     /// Of integrators `ao` and `shaded`.
     pub(super) bundle: Bundle,
     pub(super) attributes: SurfaceAttributes,
+    /// Of faces that coincide.
+    pub(super) coinciding: Vec<Hit>,
 }
 
 impl ShadeScratch {

@@ -133,6 +133,45 @@ impl Reach {
     };
 }
 
+/// What a ray meets where it hits a surface.
+struct Contact {
+    /// The surface that counts.
+    hit: Hit,
+    /// Media behind it; those in front of it if it is opaque.
+    beyond: MediumStack,
+    /// Whether anything changes there.
+    is_boundary: bool,
+    /// How far apart rounding can bring crossings of one place, in the ray's parameter.
+    margin: f64,
+}
+
+/// How a ray goes on that nothing turned.
+#[derive(Debug)]
+pub(super) struct Onward {
+    /// The ray.
+    pub(super) ray: Ray,
+    /// Media that it is in.
+    pub(super) media: MediumStack,
+    /// How far its origin was moved along.
+    walked: f64,
+}
+
+impl Contact {
+    /// Behind what was no boundary. A ray that only met its own start again keeps what it states about
+    /// it and leaves the place, or it would meet the faces that coincide there in turn for ever.
+    fn onward(&self, ray: &Ray) -> Onward {
+        let is_start = self.hit.t - ray.t_min <= self.margin;
+        Onward {
+            ray: match is_start {
+                true => ray.with_range(self.hit.t + self.margin, ray.t_max),
+                false => passed(ray, &self.hit),
+            },
+            media: self.beyond,
+            walked: if is_start { 0.0 } else { self.hit.t },
+        }
+    }
+}
+
 /// A frame, ready to be shaded.
 pub(super) struct World<'a> {
     pub(super) frame: &'a Frame,
@@ -279,8 +318,58 @@ impl<'a> World<'a> {
         scaling.number(scratch.attributes.value(self.frame, surface, attribute))
     }
 
-    /// The surface point that a ray in `media` hits; `None` where the boundary is none, because
-    /// another medium fills the place on both sides. Opaque surfaces have at least the roughness
+    /// What a ray in `media` meets at `hit`. Where faces coincide all are crossed at once; an opaque one
+    /// stands behind what touches it.
+    fn contact(
+        &self,
+        ray: &Ray,
+        hit: Hit,
+        media: &MediumStack,
+        scratch: &mut ShadeScratch,
+    ) -> Contact {
+        let (material, _) = self.material(hit.surface);
+        // Nothing is seen from within opaque solids but by rays that begin on one and on what stands there.
+        let may_be_left = !material.kind.is_clear() && !hit.entering && self.medium_count > 0;
+        let mut contact = Contact {
+            hit,
+            beyond: *media,
+            is_boundary: true,
+            margin: 0.0,
+        };
+        if !material.is_medium() && !may_be_left {
+            return contact;
+        }
+        let mut others = std::mem::take(&mut scratch.coinciding);
+        others.clear();
+        contact.margin = self
+            .frame
+            .coinciding(ray, &hit, &mut scratch.trace, &mut others);
+        if may_be_left {
+            contact.is_boundary = hit.t - ray.t_min > contact.margin;
+        } else {
+            contact.beyond = media.crossed(hit.surface, hit.entering);
+            for other in &others {
+                let (material, _) = self.material(other.surface);
+                if material.is_medium() {
+                    contact.beyond = contact.beyond.crossed(other.surface, other.entering);
+                } else if !material.kind.is_clear() && other.entering && !hit.entering {
+                    contact.hit = *other;
+                }
+            }
+            if contact.hit.surface == hit.surface {
+                let [filled, filled_beyond] =
+                    [media, &contact.beyond].map(|m| m.filling(self.frame));
+                contact.is_boundary = filled != filled_beyond;
+            } else {
+                contact.beyond = *media;
+            }
+        }
+        scratch.coinciding = others;
+        contact
+    }
+
+    /// The surface point that a ray in `media` hits; how the ray goes on where the boundary is none,
+    /// because one medium fills the place on both sides. Opaque surfaces have at least the roughness
     /// `least_roughness`.
     pub(super) fn interaction(
         &self,
@@ -289,17 +378,13 @@ impl<'a> World<'a> {
         media: &MediumStack,
         least_roughness: f64,
         scratch: &mut ShadeScratch,
-    ) -> Option<Interaction<'_>> {
+    ) -> Result<Interaction<'_>, Onward> {
+        let contact = self.contact(ray, hit, media, scratch);
+        if !contact.is_boundary {
+            return Err(contact.onward(ray));
+        }
+        let Contact { hit, beyond, .. } = contact;
         let (material, index) = self.material(hit.surface);
-        let beyond = if material.is_medium() {
-            let beyond = media.crossed(hit.surface, hit.entering);
-            if beyond.filling(self.frame) == media.filling(self.frame) {
-                return None;
-            }
-            beyond
-        } else {
-            *media
-        };
         let (color, roughness) = self.look(&hit, scratch);
         let blurred = roughness.max(least_roughness);
         let bsdf = match &self.prepared[index] {
@@ -323,7 +408,7 @@ impl<'a> World<'a> {
         let mut view = DVec3::from_array(axes.map(|axis| -axis.dot(ray.direction)));
         // Where a ray grazes the surface, the rounded normal may look away from it.
         view.z = view.z.max(1e-5);
-        Some(Interaction {
+        Ok(Interaction {
             hit,
             color,
             bsdf,
@@ -433,18 +518,22 @@ impl<'a> World<'a> {
                 reach.part *= left * self.emission_scale(&media);
                 return reach;
             };
+            reach.part *= self.absorbed(&ray, hit.t, &media, scratch);
+            let contact = self.contact(&ray, hit, &media, scratch);
+            let Contact { hit, beyond, .. } = contact;
+            if !contact.is_boundary {
+                let onward = contact.onward(&ray);
+                distance -= onward.walked;
+                (ray, media) = (onward.ray, onward.media);
+                continue;
+            }
             let (material, _) = self.material(hit.surface);
             if !material.kind.is_clear() {
                 return Reach::NOTHING;
             }
-            reach.part *= self.absorbed(&ray, hit.t, &media, scratch);
-            let beyond = if material.thin {
+            if material.thin {
                 reach.part *= self.sheet(&ray, &hit, &media, scratch).transmitted();
-                media
             } else {
-                media.crossed(hit.surface, hit.entering)
-            };
-            if beyond.filling(self.frame) != media.filling(self.frame) {
                 if !straight {
                     return Reach::NOTHING;
                 }

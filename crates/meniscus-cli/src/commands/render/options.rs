@@ -66,7 +66,8 @@ impl PictureOptions {
         }
         let is_film = format == PictureFormat::Mp4;
         check_kinds_of_sequence(args, format)?;
-        if args.fps.is_some() && !is_film && args.slow_motion.is_none() {
+        let has_time = args.slow_motion.is_some() || args.shutter.is_some();
+        if args.fps.is_some() && !is_film && !has_time {
             reporter.warn("--fps changes nothing: pictures without shutter time have no speed");
         }
         if is_film && args.png_depth != 8 {
@@ -191,8 +192,8 @@ fn velocity_scale(args: &RenderArgs, reporter: &Reporter) -> Outcome<f64> {
             "--velocity-scale must be a number other than 0, not {scale}"
         )));
     }
-    if args.velocity_scale.is_some() && args.slow_motion.is_none() {
-        reporter.warn("--velocity-scale changes nothing without --slow-motion");
+    if args.velocity_scale.is_some() && args.slow_motion.is_none() && args.shutter.is_none() {
+        reporter.warn("--velocity-scale changes nothing without --slow-motion or --shutter");
     }
     Ok(scale)
 }
@@ -228,14 +229,6 @@ const MOST_ADAPTIVE_SAMPLES: u32 = 1024;
 
 /// Flags that are announced and not there yet are answered, never ignored.
 fn refuse_what_is_to_come(args: &RenderArgs) -> Outcome {
-    if let Some(shutter) = args.shutter
-        && shutter != 0.0
-    {
-        return Err(Failure::not_yet(
-            "--shutter other than 0 (motion blur)",
-            "--shutter 0",
-        ));
-    }
     let channels = || {
         CHANNELS
             .iter()
@@ -280,6 +273,10 @@ pub(crate) fn edit_scene(args: &RenderArgs, format: PictureFormat, scene: &mut S
     } else if args.time_limit.is_some() {
         scene.film.spp = MAX_SPP;
     }
+    let motion = &mut scene.motion;
+    motion.shutter = args.shutter.unwrap_or(motion.shutter);
+    motion.fps = args.fps.unwrap_or(motion.fps) * args.slow_motion.unwrap_or(1.0);
+    motion.velocity_scale = args.velocity_scale.unwrap_or(motion.velocity_scale);
     if let Some(spp) = args.spp {
         scene.film.spp = spp;
     }

@@ -129,15 +129,18 @@ impl Shader<'_> {
                 0.0
             };
             let found = world.interaction(&path.ray, hit, &path.media, least_roughness, scratch);
-            let Some(point) = found else {
-                false_boundaries += 1;
-                if false_boundaries > MAX_FALSE_BOUNDARIES {
-                    break;
+            let point = match found {
+                Ok(point) => point,
+                Err(onward) => {
+                    false_boundaries += 1;
+                    if false_boundaries > MAX_FALSE_BOUNDARIES {
+                        break;
+                    }
+                    (path.ray, path.media) = (onward.ray, onward.media);
+                    continue;
                 }
-                path.media = path.media.crossed(hit.surface, hit.entering);
-                path.ray = passed(&path.ray, &hit);
-                continue;
             };
+            let hit = point.hit;
             if first.is_none() {
                 first = Some((hit, point.color));
                 let shows_backdrop_alone = world.opacity(&hit) == 0.0
@@ -221,7 +224,8 @@ impl Shader<'_> {
     fn add_escaped(&self, path: &mut Path) {
         let world = &self.world;
         let direction = path.ray.direction;
-        if path.surfaces == 0 && self.settings.background != Background::Sky {
+        let is_first = path.surfaces + path.sheets == 0;
+        if is_first && self.settings.background != Background::Sky {
             return;
         }
         for found in world.lights.escaped(direction) {

@@ -68,7 +68,7 @@ impl Shader<'_> {
             }
             left *= world.absorbed(&ray, end, &media, scratch);
             let Some(met) = hit else {
-                let behind = if level == 0 {
+                let behind = if level == 0 && first.is_none() {
                     world.behind(ray.direction)
                 } else {
                     world.surroundings_or_backdrop(ray.direction)
@@ -79,30 +79,31 @@ impl Shader<'_> {
                     first,
                 };
             };
-            let point = world.interaction(&ray, met, &media, 0.0, scratch);
-            if let Some(point) = &point {
-                let mut light = self.turned(&ray, point, &media, level, weight, scratch);
-                let opacity = world.opacity(&met);
-                if level > 0 && opacity < 1.0 {
-                    let behind = world.surroundings_or_backdrop(ray.direction);
-                    light = light * opacity + behind * (1.0 - opacity);
+            match world.interaction(&ray, met, &media, 0.0, scratch) {
+                Ok(point) => {
+                    let met = point.hit;
+                    let mut light = self.turned(&ray, &point, &media, level, weight, scratch);
+                    let opacity = world.opacity(&met);
+                    if level > 0 && opacity < 1.0 {
+                        let behind = world.surroundings_or_backdrop(ray.direction);
+                        light = light * opacity + behind * (1.0 - opacity);
+                    }
+                    sum += left * light;
+                    let first = *first.get_or_insert((met, point.color));
+                    let through = point.bsdf.sheet().map_or(Vec3::ZERO, Sheet::transmitted);
+                    left *= through;
+                    if left.max_element() <= 0.0 {
+                        return Seen {
+                            light: sum,
+                            first: Some(first),
+                            is_covered: true,
+                        };
+                    }
+                    count(&mut scratch.rays, Scattering::Refraction);
+                    ray = passed(&ray, &met);
                 }
-                sum += left * light;
-                let first = *first.get_or_insert((met, point.color));
-                let through = point.bsdf.sheet().map_or(Vec3::ZERO, Sheet::transmitted);
-                left *= through;
-                if left.max_element() <= 0.0 {
-                    return Seen {
-                        light: sum,
-                        first: Some(first),
-                        is_covered: true,
-                    };
-                }
-                count(&mut scratch.rays, Scattering::Refraction);
-            } else {
-                media = media.crossed(met.surface, met.entering);
+                Err(onward) => (ray, media) = (onward.ray, onward.media),
             }
-            ray = passed(&ray, &met);
             hit = world.frame.closest_hit(&ray, &mut scratch.trace);
         }
         Seen {

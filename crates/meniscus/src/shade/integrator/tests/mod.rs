@@ -1,6 +1,7 @@
 //! Integrators against closed forms and furnaces: what both kinds of test stand on.
 
 mod closed_forms;
+mod contacts;
 mod energy;
 
 use super::*;
@@ -25,6 +26,7 @@ fn ball(radius: f64) -> BlobField {
         shapes: Shapes::Balls(vec![support as f32]),
         weights: vec![1.0],
         rows: vec![0],
+        motion: None,
         attributes: vec![FieldAttribute {
             name: "dye".to_owned(),
             components: 1,
