@@ -26,6 +26,14 @@ enum Display {
     Bar(ProgressBar),
     Json,
     Silent,
+    /// Keeps what is said, for [`Reporter::replay`].
+    Held(Mutex<Vec<Message>>),
+}
+
+/// Something said while nobody was to hear it.
+enum Message {
+    Warning(String),
+    Note(String),
 }
 
 struct State {
@@ -86,9 +94,41 @@ impl Reporter {
         })
     }
 
+    /// A reporter for work ahead of its turn: it shows nothing and keeps warnings and notes.
+    pub(crate) fn held() -> Self {
+        Self {
+            display: Display::Held(Mutex::default()),
+            quiet: false,
+            verbose: true,
+            ..Self::silent()
+        }
+    }
+
+    /// Says what `held` has kept.
+    pub(crate) fn replay(&self, held: Self) {
+        let Display::Held(messages) = held.display else {
+            return;
+        };
+        for message in messages.into_inner().unwrap_or_default() {
+            match message {
+                Message::Warning(text) => self.warn(&text),
+                Message::Note(text) => self.note(&text),
+            }
+        }
+    }
+
+    /// Something that everybody who has not asked for silence should know.
+    pub(crate) fn tell(&self, message: &str) {
+        if !self.quiet {
+            self.line(message);
+        }
+    }
+
     /// A warning that a user should read.
     pub(crate) fn warn(&self, message: &str) {
-        if let Display::Json = self.display {
+        if let Display::Held(messages) = &self.display {
+            keep(messages, Message::Warning(message.to_owned()));
+        } else if let Display::Json = self.display {
             self.json_line(&json!({"event": "warning", "message": message}));
         } else if !self.quiet {
             self.line(&format!("warning: {message}"));
@@ -123,7 +163,7 @@ impl Reporter {
                 "output": output.display().to_string(),
             })),
             Display::Bar(bar) => bar.set_message(output.display().to_string()),
-            Display::Silent => {}
+            Display::Silent | Display::Held(_) => {}
         }
     }
 
@@ -152,7 +192,8 @@ impl Reporter {
         let Ok(mut state) = self.state.lock() else {
             return;
         };
-        let whole = (state.index as f64 + fraction) / state.frames as f64;
+        // Of a running simulation nobody knows how many frames come.
+        let whole = ((state.index as f64 + fraction) / state.frames as f64).min(1.0);
         match &self.display {
             Display::Bar(bar) => bar.set_position((whole * RESOLUTION as f64) as u64),
             Display::Json => {
@@ -169,7 +210,7 @@ impl Reporter {
                     "fraction": whole, "elapsed_secs": elapsed, "remaining_secs": remaining,
                 }));
             }
-            Display::Silent => {}
+            Display::Silent | Display::Held(_) => {}
         }
     }
 
@@ -188,7 +229,7 @@ impl Reporter {
         match &self.display {
             Display::Bar(bar) => bar.finish_and_clear(),
             Display::Json => self.json_line(&json!({"event": "done", "elapsed_secs": elapsed})),
-            Display::Silent => {}
+            Display::Silent | Display::Held(_) => {}
         }
     }
 
@@ -197,11 +238,18 @@ impl Reporter {
             Display::Bar(bar) => bar.suspend(|| to_stderr(text)),
             Display::Json => self.json_line(&json!({"event": "note", "message": text})),
             Display::Silent => to_stderr(text),
+            Display::Held(messages) => keep(messages, Message::Note(text.to_owned())),
         }
     }
 
     fn json_line(&self, value: &Value) {
         to_stderr(&value.to_string());
+    }
+}
+
+fn keep(messages: &Mutex<Vec<Message>>, message: Message) {
+    if let Ok(mut messages) = messages.lock() {
+        messages.push(message);
     }
 }
 

@@ -31,6 +31,7 @@ fn field(radius_of: impl Fn(f64) -> f64) -> BlobField {
         shapes: Shapes::Balls(radii),
         weights: vec![1.0; BLOBS],
         rows: (0..BLOBS as u32).collect(),
+        motion: None,
         attributes: Vec::new(),
         spacing: 0.02,
         search: meniscus::field::Search::default(),

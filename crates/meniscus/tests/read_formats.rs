@@ -147,19 +147,16 @@ fn damaged_and_foreign_files_say_what_is_wrong() {
             "tricky/splashsurf/density_grid_loop_subdomain_33.json",
             &["JSON"],
         ),
-        (
-            "tricky/chemfiles/large_diff.xtc",
-            &["XTC", "not supported yet"],
-        ),
+        ("tricky/chemfiles/large_diff.xtc", &["XTC", "topology.pdb"]),
         (
             "tricky/chemfiles/mrmd_h2so4-64bit-be.dcd",
-            &["DCD", "not supported yet"],
+            &["DCD", "topology.pdb"],
         ),
         (
             "tricky/chemfiles/truncated.gro",
             &["gro line 558", "after 555 of the 1405 atoms"],
         ),
-        ("molecules/biotite/1l2y.trr", &["TRR", "not supported yet"]),
+        ("molecules/biotite/1l2y.trr", &["TRR", "topology.pdb"]),
         ("skeletons/neurom/Neuron.swc", &["SWC", "not supported yet"]),
         ("fluid/parsec/in_5K.fluid", &["PARSEC", "PLY"]),
         ("motion/bevy/Fox.glb", &["glTF"]),

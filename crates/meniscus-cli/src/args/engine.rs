@@ -22,7 +22,7 @@ pub(crate) struct EngineArgs {
     /// Threads; the result is the same for any number [default: one per logical core]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub threads: Option<usize>,
-    /// Instruction set: auto, baseline, sse4.2, avx2, avx512, neon [default: auto]
+    /// Instruction set: auto, baseline, sse2, avx2, avx512, neon [default: auto]
     #[arg(long, value_name = "LEVEL")]
     pub simd: Option<String>,
 }

@@ -12,13 +12,17 @@ const EXAMPLES: &str = "\
 Examples:
   meniscus render fluid.vtk -o fluid.png
   meniscus render fluid.vtk -o fluid.png --preset water --ground --size 1920x1080 --spp 64
+  meniscus render 'frame_{}.vtk' -o film.mp4 --fps 25
   meniscus render 'frame_{}.vtk' -o 'frame_{}.png' --frames 1-100x2 --resume
   meniscus render fluid.vtk -o fluid.png --color-by velocity --color-range 0,3
   meniscus render fluid.vtk -o fluid.exr --aov all
   meniscus render scene.toml -o scene.png --set surface.0.threshold=0.5
   meniscus render fluid.vtk -o fluid.png --up z --light -1,2,3 --camera-eye -4,-3,2
   meniscus render 1ubq.pdb -o 1ubq.png --silhouettes --depth-shading --clip 'z<0'
-  meniscus render fluid.vtk -o 'turn_{}.png' --turntable 36
+  meniscus render 'frame_{}.vtk' -o slow.mp4 --slow-motion 8
+  meniscus render 'frame_{}.vtk' -o 'frame_{}.png' --watch --resume
+  meniscus render topology.pdb trajectory.xtc -o film.mp4
+  meniscus render fluid.vtk -o turn.mp4 --turntable 100
   meniscus render fluid.vtk -o fluid.png --filter '|velocity| < 8 && y > -0.2'
 
 A {} in INPUT stands for the frame number, and in OUT for the same number with the same padding
@@ -29,20 +33,22 @@ A {} in INPUT stands for the frame number, and in OUT for the same number with t
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
     /// Particle file, pattern such as 'frame_{}.vtk', or scene (.toml, .json); several particle files
-    /// are the frames of one sequence
+    /// are the frames of one sequence; XTC, TRR and DCD trajectories follow a molecule file
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
-    /// Picture to write: .png or .exr; with several frames a pattern such as 'frame_{}.png'
+    /// Picture to write: .png or .exr; with several frames a pattern such as 'frame_{}.png', or .mp4
+    /// (which takes the program ffmpeg)
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 
     /// Frames to render, as in 1-100, 1-100x2 or 1-10,20
     #[arg(long, value_name = "FRAMES", help_heading = "Frames")]
     pub frames: Option<String>,
-    /// Skip the frames whose picture is there already
+    /// Skip the frames whose picture is there already. A film keeps its finished pictures in
+    /// OUT.frames until it is whole, and goes on from them
     #[arg(long, help_heading = "Frames")]
     pub resume: bool,
-    /// Frames per second of the sequence, for video and motion [default: 25]
+    /// Frames per second of the sequence and of the film [default: 25]
     #[arg(
         long,
         value_name = "N",
@@ -50,6 +56,36 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub fps: Option<f64>,
+    /// This many pictures for each frame of the input, such as 4 or 2.5: particles are followed by
+    /// their ids, along their velocities; those that come or go grow or shrink
+    #[arg(
+        long,
+        value_name = "X",
+        help_heading = "Frames",
+        allow_hyphen_values = true
+    )]
+    pub slow_motion: Option<f64>,
+    /// Factor on the particles' velocities, where their unit is another than the file's length per
+    /// second (or per picosecond in a trajectory) [default: 1]
+    #[arg(
+        long,
+        value_name = "X",
+        help_heading = "Frames",
+        allow_hyphen_values = true
+    )]
+    pub velocity_scale: Option<f64>,
+    /// Wait for the frames of a running simulation and render each once it is written; Ctrl-C ends it,
+    /// and finishes the film
+    #[arg(long, help_heading = "Frames")]
+    pub watch: bool,
+    /// End when no new frame has come for this long
+    #[arg(
+        long,
+        value_name = "SECS",
+        help_heading = "Frames",
+        allow_hyphen_values = true
+    )]
+    pub watch_timeout: Option<f64>,
     /// Shutter time as a fraction of the frame interval [default: 0]
     #[arg(
         long,
@@ -58,7 +94,7 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub shutter: Option<f64>,
-    /// Turn the camera once around the object in N pictures; OUT needs a {}
+    /// Turn the camera once around the object in N pictures; OUT needs a {}, or is .mp4
     #[arg(long, value_name = "N", help_heading = "Frames")]
     pub turntable: Option<u32>,
 

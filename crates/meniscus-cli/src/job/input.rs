@@ -1,6 +1,7 @@
 //! What the inputs are: frames of particles, a scene, or several scenes.
 
 use super::scene::scene_failure;
+use super::trajectory::{self, Trajectories};
 use crate::exit::{Failure, Outcome};
 use meniscus::particles::io::{self, Format};
 use meniscus::particles::sequence::{self, FrameFile, FrameSelection, SequenceError};
@@ -20,7 +21,9 @@ pub(crate) struct FrameInput {
     pub scene: Arc<Scene>,
     /// The particle file of each surface.
     pub files: Vec<PathBuf>,
-    /// Which time step of a file that holds several.
+    /// What moves the particles of the first file, if it is a topology.
+    pub trajectory: Option<Arc<Trajectories>>,
+    /// Which time step of a file or a trajectory that holds several.
     pub step: usize,
     /// Frame number.
     pub number: u64,
@@ -37,6 +40,10 @@ pub(crate) struct Inputs {
     pub is_sequence: bool,
     /// The first frame of the whole sequence, selected or not: it decides what stays fixed.
     pub first: FrameInput,
+    /// By how much the frame numbers usually rise, selected or not.
+    pub step: u64,
+    /// What a user should know, a sentence each.
+    pub warnings: Vec<String>,
 }
 
 /// Finds out what the inputs are. `edit` changes each scene (options, presets) before its files are
@@ -46,15 +53,30 @@ pub(crate) fn resolve(
     selection: Option<&FrameSelection>,
     edit: &dyn Fn(&mut Scene) -> Outcome,
 ) -> Outcome<Inputs> {
+    let (trajectories, inputs) = trajectory::split(inputs);
+    if !trajectories.is_empty() {
+        if inputs.is_empty() {
+            return Err(Failure::wrong(format!(
+                "{} is a trajectory, which does not say what its atoms are",
+                trajectories[0].display()
+            ))
+            .with_help("put a molecule file before it: topology.pdb trajectory.xtc"));
+        }
+        let topology = resolve(&inputs, None, edit)?;
+        let (frames, warnings) = trajectory::frames(&trajectories, topology)?;
+        let mut resolved = selected(selection, frames, true, false)?;
+        resolved.warnings.splice(0..0, warnings);
+        return Ok(resolved);
+    }
     let is_pattern = inputs.iter().any(|input| sequence::is_pattern(input));
-    let listed = sequence::expand(inputs).map_err(sequence_failure)?;
+    let listed = sequence::expand(&inputs).map_err(sequence_failure)?;
     let scenes: Vec<bool> = listed
         .iter()
         .map(|input| is_scene(&input.path))
         .collect::<Outcome<_>>()?;
     let several = is_pattern || listed.len() > 1;
     if scenes.iter().all(|scene| !scene) {
-        return particle_frames(listed, several, selection, edit);
+        return particle_frames(listed, several, is_pattern, selection, edit);
     }
     if !scenes.iter().all(|scene| *scene) {
         return Err(Failure::wrong("the inputs mix scenes and particle files")
@@ -73,7 +95,7 @@ pub(crate) fn resolve(
             }
             frames.extend(found.into_iter().map(|(frame, _)| frame));
         }
-        return selected(selection, frames, true);
+        return selected(selection, frames, true, is_pattern);
     }
     let Some(input) = listed.into_iter().next() else {
         return Err(Failure::wrong("no input"));
@@ -81,50 +103,83 @@ pub(crate) fn resolve(
     let found = scene_frames(edited_scene(&input.path, edit)?, input.number, &input.text)?;
     let is_sequence = found.iter().any(|(_, from_pattern)| *from_pattern);
     let frames: Vec<FrameInput> = found.into_iter().map(|(frame, _)| frame).collect();
-    selected(selection, frames, is_sequence)
+    selected(selection, frames, is_sequence, is_sequence)
 }
 
 fn selected(
     selection: Option<&FrameSelection>,
     frames: Vec<FrameInput>,
     is_sequence: bool,
+    is_pattern: bool,
 ) -> Outcome<Inputs> {
     let Some(first) = frames.first().cloned() else {
         return Err(Failure::wrong("no input"));
+    };
+    let numbers: Vec<u64> = frames.iter().map(|frame| frame.number).collect();
+    let step = sequence::usual_step(&numbers);
+    // Whoever lists files by name means these and no others.
+    let warnings = if is_pattern {
+        missing(&numbers, step, selection).into_iter().collect()
+    } else {
+        Vec::new()
     };
     Ok(Inputs {
         frames: select_frames(selection, frames)?,
         is_sequence,
         first,
+        step,
+        warnings,
+    })
+}
+
+/// Most numbers of a gap that are held against a selection.
+const MOST_COMPARED: usize = 10_000;
+
+/// Most gaps that are named.
+const MOST_GAPS: usize = 5;
+
+/// Says which gaps in `numbers` a selection wants filled.
+fn missing(numbers: &[u64], step: u64, selection: Option<&FrameSelection>) -> Option<String> {
+    let wanted = |gap: &std::ops::RangeInclusive<u64>| match selection {
+        None => true,
+        Some(selection) => gap
+            .clone()
+            .step_by(usize::try_from(step).unwrap_or(usize::MAX))
+            .take(MOST_COMPARED)
+            .any(|number| selection.contains(number)),
+    };
+    let gaps = sequence::gaps(numbers, step);
+    let gaps: Vec<String> = gaps
+        .into_iter()
+        .filter(wanted)
+        .map(|gap| match gap.start() == gap.end() {
+            true => format!("frame {}", gap.start()),
+            false => format!("frames {} to {}", gap.start(), gap.end()),
+        })
+        .collect();
+    let shown = &gaps[..gaps.len().min(MOST_GAPS)];
+    let more = match gaps.len() - shown.len() {
+        0 => String::new(),
+        more => format!(" and {more} more gaps"),
+    };
+    (!gaps.is_empty()).then(|| {
+        format!(
+            "missing in the middle of the sequence: {}{more}; the others are rendered",
+            shown.join(", ")
+        )
     })
 }
 
 fn particle_frames(
     listed: Vec<FrameFile>,
     several: bool,
+    is_pattern: bool,
     selection: Option<&FrameSelection>,
     edit: &dyn Fn(&mut Scene) -> Outcome,
 ) -> Outcome<Inputs> {
-    let scene_of = |path: &Path| -> Outcome<Arc<Scene>> {
-        let mut scene = Scene {
-            surfaces: vec![Surface::from_file(path)],
-            ..Scene::default()
-        };
-        edit(&mut scene)?;
-        Ok(Arc::new(scene))
-    };
     let frames: Vec<FrameInput> = listed
         .into_iter()
-        .map(|input| {
-            let scene = scene_of(&input.path)?;
-            Ok(FrameInput {
-                files: scene.surfaces.iter().map(|s| s.file.clone()).collect(),
-                scene,
-                step: 0,
-                number: input.number,
-                text: input.text,
-            })
-        })
+        .map(|file| frame_of(file, edit))
         .collect::<Outcome<_>>()?;
     // A selection from a single file selects among its time steps.
     let frames = match (&frames[..], selection) {
@@ -132,7 +187,43 @@ fn particle_frames(
         _ => frames,
     };
     let is_sequence = several || frames.len() > 1;
-    selected(selection, frames, is_sequence)
+    selected(selection, frames, is_sequence, is_pattern)
+}
+
+/// The frame of a particle file.
+pub(super) fn frame_of(
+    file: FrameFile,
+    edit: &dyn Fn(&mut Scene) -> Outcome,
+) -> Outcome<FrameInput> {
+    let mut scene = Scene {
+        surfaces: vec![Surface::from_file(&file.path)],
+        ..Scene::default()
+    };
+    edit(&mut scene)?;
+    Ok(FrameInput {
+        files: scene.surfaces.iter().map(|s| s.file.clone()).collect(),
+        scene: Arc::new(scene),
+        trajectory: None,
+        step: 0,
+        number: file.number,
+        text: file.text,
+    })
+}
+
+/// The frames of a scene with patterns whose files are there.
+pub(super) fn frames_there_of(scene: Scene) -> Outcome<Vec<FrameInput>> {
+    let is_there = |surface: &Surface| {
+        !sequence::is_pattern(&surface.file)
+            || !matches!(
+                sequence::matches(&surface.file),
+                Err(SequenceError::NoMatch { .. })
+            )
+    };
+    if !scene.surfaces.iter().all(is_there) {
+        return Ok(Vec::new());
+    }
+    let patterns = common_frames(scene, 0, "")?;
+    Ok(patterns.into_iter().map(|(frame, _)| frame).collect())
 }
 
 /// The time steps that the single file of `frame` holds, numbered from 0; a file of one step keeps
@@ -158,7 +249,7 @@ pub(crate) fn steps_of(frame: &FrameInput) -> Outcome<Vec<FrameInput>> {
         .collect())
 }
 
-fn edited_scene(path: &Path, edit: &dyn Fn(&mut Scene) -> Outcome) -> Outcome<Scene> {
+pub(super) fn edited_scene(path: &Path, edit: &dyn Fn(&mut Scene) -> Outcome) -> Outcome<Scene> {
     let mut scene = file::load(path).map_err(scene_failure)?;
     edit(&mut scene)?;
     Ok(scene)
@@ -167,6 +258,16 @@ fn edited_scene(path: &Path, edit: &dyn Fn(&mut Scene) -> Outcome) -> Outcome<Sc
 /// The frames of one scene: one, or as many as its surfaces' patterns have in common. With each,
 /// whether it comes from a pattern.
 fn scene_frames(scene: Scene, number: u64, text: &str) -> Outcome<Vec<(FrameInput, bool)>> {
+    let frames = common_frames(scene, number, text)?;
+    if frames.is_empty() {
+        return Err(Failure::wrong(
+            "the patterns of the scene's surfaces have no frame number in common",
+        ));
+    }
+    Ok(frames)
+}
+
+fn common_frames(scene: Scene, number: u64, text: &str) -> Outcome<Vec<(FrameInput, bool)>> {
     let scene = Arc::new(scene);
     let patterns: Vec<(usize, Vec<FrameFile>)> = scene
         .surfaces
@@ -183,6 +284,7 @@ fn scene_frames(scene: Scene, number: u64, text: &str) -> Outcome<Vec<(FrameInpu
         let frame = FrameInput {
             scene,
             files: fixed,
+            trajectory: None,
             step: 0,
             number,
             text: text.to_owned(),
@@ -193,11 +295,6 @@ fn scene_frames(scene: Scene, number: u64, text: &str) -> Outcome<Vec<(FrameInpu
     for (_, found) in &patterns[1..] {
         let numbers: BTreeSet<u64> = found.iter().map(|file| file.number).collect();
         common.retain(|number| numbers.contains(number));
-    }
-    if common.is_empty() {
-        return Err(Failure::wrong(
-            "the patterns of the scene's surfaces have no frame number in common",
-        ));
     }
     let frames = first.iter().filter(|file| common.contains(&file.number));
     Ok(frames
@@ -211,6 +308,7 @@ fn scene_frames(scene: Scene, number: u64, text: &str) -> Outcome<Vec<(FrameInpu
             let frame = FrameInput {
                 scene: scene.clone(),
                 files,
+                trajectory: None,
                 step: 0,
                 number: file.number,
                 text: file.text.clone(),
@@ -260,7 +358,7 @@ pub(crate) fn sequence_failure(error: SequenceError) -> Failure {
 }
 
 /// Whether a file is a scene, by its content.
-fn is_scene(path: &Path) -> Outcome<bool> {
+pub(super) fn is_scene(path: &Path) -> Outcome<bool> {
     let cannot =
         |error: std::io::Error| Failure::work(format!("cannot read {}: {error}", path.display()));
     if path.is_dir() {

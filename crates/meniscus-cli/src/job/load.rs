@@ -24,22 +24,11 @@ pub(crate) struct LoadedFrame {
     pub settings: Vec<BlobSettings>,
     /// What happened to each surface's particles.
     pub reports: Vec<FieldReport>,
-    /// Reading and decoding files.
-    pub read_secs: f64,
     /// Fields, weights and acceleration structures.
     pub build_secs: f64,
 }
 
 impl LoadedFrame {
-    /// The same for another picture, which takes no time any more.
-    pub(crate) fn used_again(self) -> Self {
-        Self {
-            read_secs: 0.0,
-            build_secs: 0.0,
-            ..self
-        }
-    }
-
     /// Particles in the frame.
     pub(crate) fn particles(&self) -> usize {
         self.frame.blobs().map(|blobs| blobs.field.len()).sum()
@@ -51,6 +40,8 @@ impl LoadedFrame {
 pub(crate) struct ReadFrame {
     /// One per surface.
     pub files: Vec<ParticleFile>,
+    /// The moment of a trajectory's frame in picoseconds.
+    pub time_ps: Option<f64>,
     /// Reading and decoding.
     pub read_secs: f64,
 }
@@ -60,11 +51,19 @@ pub(crate) fn read(input: &FrameInput, reporter: &Reporter) -> Outcome<ReadFrame
     reporter.stage("read");
     let start = Instant::now();
     let mut files = Vec::with_capacity(input.files.len());
+    let mut time_ps = None;
     for (surface, path) in input.files.iter().enumerate() {
         interrupt::check()?;
         // Only the first file of a scene can hold the time steps that are being rendered.
         let step = if surface == 0 { input.step } else { 0 };
-        let file = io::read(path, step).map_err(|error| Failure::work(error.to_string()))?;
+        let file = match &input.trajectory {
+            Some(trajectory) if surface == 0 => {
+                let (file, time) = trajectory.read(step)?;
+                time_ps = time;
+                file
+            }
+            _ => io::read(path, step).map_err(|error| Failure::work(error.to_string()))?,
+        };
         for warning in &file.warnings {
             reporter.warn(&format!("{}: {warning}", path.display()));
         }
@@ -72,6 +71,7 @@ pub(crate) fn read(input: &FrameInput, reporter: &Reporter) -> Outcome<ReadFrame
     }
     Ok(ReadFrame {
         files,
+        time_ps,
         read_secs: start.elapsed().as_secs_f64(),
     })
 }
@@ -85,12 +85,9 @@ pub(crate) fn load(
     engine: &EngineChoice,
     reporter: &Reporter,
 ) -> Outcome<LoadedFrame> {
-    let ReadFrame { files, read_secs } = read(input, reporter)?;
+    let ReadFrame { files, .. } = read(input, reporter)?;
     reporter.stage("build");
-    build(input, scene, &files, aov, engine, reporter).map(|loaded| LoadedFrame {
-        read_secs,
-        ..loaded
-    })
+    build(input, scene, &files, aov, engine, reporter)
 }
 
 /// Builds a frame from decoded files.
@@ -135,7 +132,6 @@ pub(crate) fn build(
         frame,
         settings: all_settings,
         reports,
-        read_secs: 0.0,
         build_secs: start.elapsed().as_secs_f64(),
     })
 }

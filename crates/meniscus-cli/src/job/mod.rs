@@ -7,3 +7,5 @@ pub(crate) mod input;
 pub(crate) mod load;
 pub(crate) mod output;
 pub(crate) mod scene;
+pub(crate) mod trajectory;
+pub(crate) mod watch;

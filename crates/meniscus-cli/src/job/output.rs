@@ -1,17 +1,18 @@
 //! Where pictures go.
 
 use crate::exit::{Failure, Outcome};
-use crate::job::input::{FrameInput, Inputs, steps_of};
 use meniscus::particles::sequence;
 use std::path::{Path, PathBuf};
 
-/// A kind of picture file.
+/// What the ending of the output asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PictureFormat {
     /// PNG: as a screen shows it.
     Png,
     /// OpenEXR: linear, with channels.
     Exr,
+    /// A film, made of PNGs.
+    Mp4,
 }
 
 impl PictureFormat {
@@ -21,48 +22,72 @@ impl PictureFormat {
         match ending.map(str::to_ascii_lowercase).as_deref() {
             Some("png") => Ok(Self::Png),
             Some("exr") => Ok(Self::Exr),
-            Some("mp4" | "mov" | "mkv" | "webm") => Err(Failure::not_yet(
-                "video",
-                ".png, .exr, one picture per frame",
-            )),
+            Some("mp4") => Ok(Self::Mp4),
+            Some("mov" | "mkv" | "webm" | "avi" | "gif") => Err(Failure::wrong(format!(
+                "{}: films are written as .mp4",
+                path.display()
+            ))
+            .with_help("write .mp4, or one picture per frame: .png or .exr")),
             _ => Err(Failure::wrong(format!(
                 "{}: the ending names no kind of picture",
                 path.display()
             ))
-            .with_help("write .png or .exr")),
+            .with_help("write .png or .exr, or .mp4 for a film")),
         }
     }
 }
 
-/// The output of every frame; expands a single file of several time steps if the output is a pattern.
-pub(crate) fn assign(inputs: Inputs, output: &Path) -> Outcome<Vec<(FrameInput, PathBuf)>> {
-    let Inputs {
-        mut frames,
-        is_sequence,
-        ..
-    } = inputs;
-    if !sequence::is_pattern(output) {
-        return match <[FrameInput; 1]>::try_from(frames) {
-            Ok([frame]) => Ok(vec![(frame, output.to_owned())]),
-            Err(frames) => Err(Failure::wrong(format!(
-                "{} frames cannot all be written to {}",
-                frames.len(),
+/// Where the pictures of a run go.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Target {
+    /// One file.
+    Picture(PathBuf),
+    /// A pattern whose {} takes a picture's number.
+    Pattern(PathBuf),
+    /// A film.
+    Film(PathBuf),
+}
+
+impl Target {
+    /// What `output` means.
+    pub(crate) fn new(output: &Path, format: PictureFormat) -> Outcome<Self> {
+        let output = output.to_owned();
+        let is_pattern = sequence::is_pattern(&output);
+        match format {
+            PictureFormat::Mp4 if is_pattern => Err(Failure::wrong(format!(
+                "{}: all frames go into one film, so its name has no {{}}",
                 output.display()
-            ))
-            .with_help("put {} where the frame number goes, as in -o 'frame_{}.png'")),
-        };
+            ))),
+            PictureFormat::Mp4 => Ok(Self::Film(output)),
+            PictureFormat::Png | PictureFormat::Exr if is_pattern => {
+                check_pattern(&output)?;
+                Ok(Self::Pattern(output))
+            }
+            PictureFormat::Png | PictureFormat::Exr => Ok(Self::Picture(output)),
+        }
     }
-    check_pattern(output)?;
-    if !is_sequence && let [only] = &frames[..] {
-        frames = steps_of(only)?;
+
+    /// Whether there is room for more than one picture.
+    pub(crate) fn takes_several(&self) -> bool {
+        !matches!(self, Self::Picture(_))
     }
-    Ok(frames
-        .into_iter()
-        .map(|frame| {
-            let path = sequence::output_path(output, &frame.text);
-            (frame, path)
-        })
-        .collect())
+
+    /// The file of the picture with this number. `kept_name` tells it from all pictures that the same
+    /// film could have been made of under other options.
+    pub(crate) fn path(&self, number: &str, kept_name: &str) -> PathBuf {
+        match self {
+            Self::Picture(path) => path.clone(),
+            Self::Pattern(pattern) => sequence::output_path(pattern, number),
+            Self::Film(film) => kept_folder(film).join(format!("{kept_name}.png")),
+        }
+    }
+}
+
+/// The folder beside a film that keeps its finished pictures until the film is whole.
+pub(crate) fn kept_folder(film: &Path) -> PathBuf {
+    let mut name = film.file_name().unwrap_or_default().to_owned();
+    name.push(".frames");
+    film.with_file_name(name)
 }
 
 fn check_pattern(output: &Path) -> Outcome {
@@ -77,44 +102,6 @@ fn check_pattern(output: &Path) -> Outcome {
         "{}: a pattern has one {{}}, this has {placeholders}",
         output.display()
     )))
-}
-
-/// Most pictures of a turntable.
-const MAX_TURNS: u32 = 100_000;
-
-/// The outputs of a turntable of `count` pictures, numbered from 0: all of one frame.
-pub(crate) fn assign_turns(
-    inputs: Inputs,
-    output: &Path,
-    count: u32,
-) -> Outcome<Vec<(FrameInput, PathBuf)>> {
-    if count == 0 || count > MAX_TURNS {
-        return Err(Failure::wrong(format!(
-            "--turntable {count}: between 1 and {MAX_TURNS} pictures are possible"
-        )));
-    }
-    let [frame] = <[FrameInput; 1]>::try_from(inputs.frames).map_err(|frames| {
-        Failure::wrong(format!(
-            "--turntable turns around one frame, not {}",
-            frames.len()
-        ))
-        .with_help("choose one with --frames")
-    })?;
-    if !sequence::is_pattern(output) {
-        return Err(Failure::wrong(format!(
-            "--turntable writes {count} pictures, which cannot all go to {}",
-            output.display()
-        ))
-        .with_help("put {} where the picture's number goes, as in -o 'turn_{}.png'"));
-    }
-    check_pattern(output)?;
-    let width = (count - 1).to_string().len();
-    Ok((0..count)
-        .map(|turn| {
-            let path = sequence::output_path(output, &format!("{turn:0width$}"));
-            (frame.clone(), path)
-        })
-        .collect())
 }
 
 /// A pattern without its placeholder, for what belongs to the whole sequence: `frame.png` for

@@ -141,7 +141,6 @@ fn what_is_announced_and_not_there_yet_is_said() {
         let words = format!("render water.vtk -o out.png {flags}");
         folder.fails(&words, 2, &["not available yet"]);
     }
-    folder.fails("render water.vtk -o out.mp4", 2, &["not available yet"]);
     for channel in ["motion", "curvature"] {
         let words = format!("render water.vtk -o out.exr --aov {channel}");
         folder.fails(&words, 2, &["not available yet", "depth"]);

@@ -70,6 +70,7 @@ impl Recipe {
             shapes,
             weights,
             rows: (0..n as u32).collect(),
+            motion: None,
             attributes: Vec::new(),
             spacing: spacing(&self.positions) as f32,
             search: Search::default(),

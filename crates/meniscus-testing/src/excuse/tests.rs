@@ -18,6 +18,7 @@ fn ball() -> BlobField {
         shapes: Shapes::Balls(vec![(1.0 / q.sqrt()) as f32]),
         weights: vec![1.0],
         rows: vec![0],
+        motion: None,
         attributes: Vec::new(),
         spacing: 1.0,
         search: Search::default(),

@@ -1,5 +1,6 @@
 //! Finds blobs near a line segment or a point: a balanced tree of float64 boxes, split at medians.
 
+use super::center_at;
 use glam::DVec3;
 use meniscus::field::BlobField;
 
@@ -20,8 +21,9 @@ pub(super) struct Index {
 }
 
 impl Index {
-    pub(super) fn build(field: &BlobField) -> Self {
-        let supports: Vec<Box64> = (0..field.len()).map(|i| support(field, i)).collect();
+    pub(super) fn build(field: &BlobField, time_secs: f64) -> Self {
+        let support = |i| support(field, i, time_secs);
+        let supports: Vec<Box64> = (0..field.len()).map(support).collect();
         let mut order: Vec<u32> = (0..field.len() as u32).collect();
         let mut boxes = Vec::new();
         if !order.is_empty() {
@@ -83,8 +85,8 @@ impl Index {
     }
 }
 
-fn support(field: &BlobField, i: usize) -> Box64 {
-    let center = field.center(i).as_dvec3();
+fn support(field: &BlobField, i: usize, time_secs: f64) -> Box64 {
+    let center = center_at(field, i, time_secs);
     let half = DVec3::from_array(field.shapes.half_extents(i).map(f64::from)) * (1.0 + 1e-6);
     Box64 {
         min: center - half,

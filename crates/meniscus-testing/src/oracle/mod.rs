@@ -24,6 +24,7 @@ use profile::Profile;
 #[derive(Debug)]
 pub struct Oracle<'a> {
     field: &'a BlobField,
+    time_secs: f64,
     index: Index,
     interpolation: Interpolation,
     middle: DVec3,
@@ -69,6 +70,12 @@ impl Line {
 impl<'a> Oracle<'a> {
     /// An oracle over `field`.
     pub fn new(field: &'a BlobField) -> Self {
+        Self::at(field, 0.0)
+    }
+
+    /// An oracle over `field` at a time within its shutter, in seconds relative to the frame. What rays
+    /// say of their time does not count.
+    pub fn at(field: &'a BlobField, time_secs: f64) -> Self {
         let power_coefficients = field.kernel.coefficients_in_g();
         let bounds = field.bounds();
         let (min, max) = if bounds.is_empty() {
@@ -78,7 +85,8 @@ impl<'a> Oracle<'a> {
         };
         Self {
             field,
-            index: Index::build(field),
+            time_secs,
+            index: Index::build(field, time_secs),
             interpolation: Interpolation::of_degree(2 * (power_coefficients.len() - 1)),
             middle: 0.5 * (min + max),
             diameter: (max - min).length(),
@@ -119,7 +127,13 @@ impl<'a> Oracle<'a> {
     fn profile(&self, line: &Line, (from, to): (f64, f64), shift: f64) -> Profile<'_> {
         let threshold = f64::from(self.field.threshold) + shift;
         let mut profile = Profile::new(self.field, threshold, &self.interpolation);
-        let mut add = |i: u32| profile.add(self.field, i as usize, (line.o, line.d));
+        let mut add = |i: u32| {
+            let blob = (
+                i as usize,
+                center_at(self.field, i as usize, self.time_secs),
+            );
+            profile.add(self.field, blob, (line.o, line.d));
+        };
         self.index
             .near_segment((line.o, line.d), (from, to), &mut add);
         profile
@@ -267,7 +281,7 @@ impl<'a> Oracle<'a> {
             let y = self
                 .field
                 .shapes
-                .transform(i, x - self.field.center(i).as_dvec3());
+                .transform(i, x - center_at(self.field, i, self.time_secs));
             let g = 1.0 - y.length_squared();
             if g > 0.0 {
                 let powers = coefficients.iter().enumerate();
@@ -281,6 +295,19 @@ impl<'a> Oracle<'a> {
             }
         });
     }
+}
+
+/// Where blob `i` stands at a time, local.
+fn center_at(field: &BlobField, i: usize, time_secs: f64) -> DVec3 {
+    let [x, y, z] = field.centers[i].map(f64::from);
+    let place = DVec3::new(x, y, z);
+    let Some(motion) = &field.motion else {
+        return place;
+    };
+    let rate = |rate: [f32; 3]| DVec3::from_array(rate.map(f64::from));
+    place
+        + rate(motion.velocities[i]) * time_secs
+        + rate(motion.half_accelerations[i]) * (time_secs * time_secs)
 }
 
 fn differs(side: Side, above: bool) -> bool {

@@ -41,9 +41,13 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Adds blob `i` on the line `o + s·d` (local coordinates, |d| = 1), if the line pierces it.
-    pub(super) fn add(&mut self, field: &BlobField, i: usize, (o, d): (DVec3, DVec3)) {
-        let p = field.center(i).as_dvec3();
+    /// Adds blob `i`, which stands at `p`, on the line `o + s·d` (local coordinates, |d| = 1), if the line pierces it.
+    pub(super) fn add(
+        &mut self,
+        field: &BlobField,
+        (i, p): (usize, DVec3),
+        (o, d): (DVec3, DVec3),
+    ) {
         let scaled_d = field.shapes.transform(i, d);
         let beta = scaled_d.length_squared();
         let center = field.shapes.transform(i, p - o).dot(scaled_d) / beta;

@@ -16,6 +16,7 @@ fn one_ball(kernel: Kernel, radius: f32, weight: f32, threshold: f32) -> BlobFie
         shapes: Shapes::Balls(vec![radius]),
         weights: vec![weight],
         rows: vec![0],
+        motion: None,
         attributes: Vec::new(),
         spacing: 1.0,
         search: Search::default(),

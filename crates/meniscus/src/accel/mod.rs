@@ -50,6 +50,14 @@ impl Engine {
         }
     }
 
+    /// Whether it traces blobs that move while the shutter is open.
+    pub fn traces_motion(self) -> bool {
+        match self {
+            Self::Particles | Self::Interval | Self::Sweep => true,
+            Self::Cells | Self::MetaballBvh | Self::FittedBvh => false,
+        }
+    }
+
     /// The engine of that name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|engine| engine.name() == name)
@@ -72,7 +80,8 @@ pub enum Accel {
 }
 
 impl Accel {
-    /// Builds the structure.
+    /// Builds the structure. Blobs that move are traced by engine `particles` where the engine asked for
+    /// knows still ones only.
     pub fn build(
         engine: Engine,
         field: &crate::field::BlobField,
@@ -80,6 +89,11 @@ impl Accel {
     ) -> Self {
         let particle_tree = || particles::ParticleTree::build(field, settings.builder);
         let metaballs = |boxes| MetaballTree::build(field, boxes, settings);
+        let engine = if field.motion.is_some() && !engine.traces_motion() {
+            Engine::Particles
+        } else {
+            engine
+        };
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field)),
             Engine::Particles => Self::Particles(particle_tree()),

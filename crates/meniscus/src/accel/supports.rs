@@ -43,6 +43,8 @@ pub struct Segment {
     pub start: f64,
     /// Largest parameter; may be infinite.
     pub end: f64,
+    /// Seconds relative to the frame.
+    pub time_secs: f64,
 }
 
 impl Segment {
@@ -160,12 +162,7 @@ impl SupportTree {
 
 /// The support box of blob `i` with both corners rounded outwards.
 fn outer_box(field: &BlobField, i: usize) -> Aabb {
-    let center = field.center(i);
-    let half = Vec3::from_array(field.shapes.half_extents(i));
-    let mut bounds = Aabb {
-        min: center - half,
-        max: center + half,
-    };
+    let mut bounds = field.support_box(i);
     for axis in 0..3 {
         bounds.min[axis] = bounds.min[axis].next_down();
         bounds.max[axis] = bounds.max[axis].next_up();

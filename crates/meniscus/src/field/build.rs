@@ -75,6 +75,19 @@ impl BlobField {
         particles: &Particles,
         settings: &BlobSettings,
     ) -> Result<FieldBuild, FieldError> {
+        Self::from_moving_particles(particles, settings, [0.0; 2])
+    }
+
+    /// [`BlobField::from_particles`] of particles that move while the shutter is open, from and until
+    /// these seconds relative to the frame, as their velocities and accelerations say.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_moving_particles(
+        particles: &Particles,
+        settings: &BlobSettings,
+        shutter_secs: [f64; 2],
+    ) -> Result<FieldBuild, FieldError> {
         positive("threshold", settings.threshold)?;
         let rule = Rule::choose(particles, settings)?;
         let scale = match rule {
@@ -85,6 +98,7 @@ impl BlobField {
         };
         let mut build = Build::filtered(particles, settings)?;
         build.drop_positions()?;
+        build.drop_absent()?;
         build.column_weights(&settings.weights)?;
         let own = build.own_supports(&rule, scale)?;
         let positions = build.positions();
@@ -102,14 +116,26 @@ impl BlobField {
             ),
         };
         if settings.weights == Weights::Volume {
-            let weights = volume_weights(&positions, &supports, settings.kernel, &points);
+            let scales = build.support_scales();
+            let weights = volume_weights(
+                &positions,
+                &supports,
+                scales.as_deref(),
+                settings.kernel,
+                &points,
+            );
             build.weights = Some(weights);
             let keep = build.drop_weights("its volume is beyond all others'")?;
             supports.retain(&keep);
         }
+        if let Some(scales) = build.support_scales() {
+            supports.scale(&scales);
+        }
         let (least, largest) = supports.range();
         let are_similar = largest <= SIMILAR_SUPPORTS * least && supports.len() == positions.len();
+        let motion = build.motion(shutter_secs)?;
         let mut built = build.pack(settings, supports, rule.source(order), spacing)?;
+        built.field.motion = motion;
         if are_similar {
             built.field.adopt_tree(&points);
         }
@@ -146,7 +172,7 @@ impl<'a> Build<'a> {
     }
 
     /// Removes the particles for which `keep` is false; an error when none is left.
-    fn drop_unless(&mut self, keep: &[bool], reason: &str) -> Result<(), FieldError> {
+    pub(super) fn drop_unless(&mut self, keep: &[bool], reason: &str) -> Result<(), FieldError> {
         if let Some(first) = keep.iter().position(|&keep| !keep) {
             self.dropped.push(Dropped {
                 count: keep.iter().filter(|&&keep| !keep).count(),

@@ -1,7 +1,7 @@
 //! What the field is at any point, in float64 on the packed numbers. Points are local: object space
 //! minus [`BlobField::origin`].
 
-use super::BlobField;
+use super::{BlobField, FieldAt};
 use crate::math::ray::Side;
 use glam::{DMat3, DVec3};
 
@@ -17,14 +17,56 @@ pub struct Contribution {
 /// A sum of weights this much smaller than the sum of their sizes is noise.
 const CANCELLED: f64 = 1e-9;
 
-impl BlobField {
+impl FieldAt<'_> {
     /// F = Σ wᵢ k(qᵢ).
     pub fn value(&self, local: DVec3) -> f64 {
         let mut sum = 0.0;
         self.for_each_blob_at(local, |i, _, q| {
-            sum += f64::from(self.weights[i]) * self.kernel.value(q);
+            sum += f64::from(self.field.weights[i]) * self.field.kernel.value(q);
         });
         sum
+    }
+
+    /// Inside where F > T, outside otherwise.
+    pub fn side(&self, local: DVec3) -> Side {
+        if self.value(local) > f64::from(self.field.threshold) {
+            Side::Inside
+        } else {
+            Side::Outside
+        }
+    }
+
+    /// Every blob whose support contains the point, with its part in F; replaces what is in `parts`.
+    pub fn contributions(&self, local: DVec3, parts: &mut Vec<Contribution>) {
+        parts.clear();
+        self.for_each_blob_at(local, |i, _, q| {
+            parts.push(Contribution {
+                blob: i as u32,
+                weight: f64::from(self.field.weights[i]) * self.field.kernel.value(q),
+            });
+        });
+    }
+
+    /// The blob with the largest |wᵢ kᵢ|, of equals the first; `None` outside all supports.
+    pub fn strongest(&self, local: DVec3) -> Option<u32> {
+        let mut strongest: Option<(f64, usize)> = None;
+        self.for_each_blob_at(local, |i, _, q| {
+            let part = (f64::from(self.field.weights[i]) * self.field.kernel.value(q)).abs();
+            let better =
+                strongest.is_none_or(|(best, blob)| part > best || (part == best && i < blob));
+            if better {
+                strongest = Some((part, i));
+            }
+        });
+        strongest.map(|(_, blob)| blob as u32)
+    }
+}
+
+/// At the frame's time.
+impl BlobField {
+    /// F = Σ wᵢ k(qᵢ).
+    pub fn value(&self, local: DVec3) -> f64 {
+        self.at(0.0).value(local)
     }
 
     /// ∇F = Σ wᵢ k′(qᵢ)·2Aᵀy, in 1/length.
@@ -57,36 +99,17 @@ impl BlobField {
 
     /// Inside where F > T, outside otherwise.
     pub fn side(&self, local: DVec3) -> Side {
-        if self.value(local) > f64::from(self.threshold) {
-            Side::Inside
-        } else {
-            Side::Outside
-        }
+        self.at(0.0).side(local)
     }
 
-    /// Every blob whose support contains the point, with its part in F; replaces what is in `parts`.
+    /// [`FieldAt::contributions`].
     pub fn contributions(&self, local: DVec3, parts: &mut Vec<Contribution>) {
-        parts.clear();
-        self.for_each_blob_at(local, |i, _, q| {
-            parts.push(Contribution {
-                blob: i as u32,
-                weight: f64::from(self.weights[i]) * self.kernel.value(q),
-            });
-        });
+        self.at(0.0).contributions(local, parts);
     }
 
-    /// The blob with the largest |wᵢ kᵢ|, of equals the first; `None` outside all supports.
+    /// [`FieldAt::strongest`].
     pub fn strongest(&self, local: DVec3) -> Option<u32> {
-        let mut strongest: Option<(f64, usize)> = None;
-        self.for_each_blob_at(local, |i, _, q| {
-            let part = (f64::from(self.weights[i]) * self.kernel.value(q)).abs();
-            let better =
-                strongest.is_none_or(|(best, blob)| part > best || (part == best && i < blob));
-            if better {
-                strongest = Some((part, i));
-            }
-        });
-        strongest.map(|(_, blob)| blob as u32)
+        self.at(0.0).strongest(local)
     }
 
     /// The attribute of index `attribute` blended by field weight: Σ wᵢkᵢaᵢ / Σ wᵢkᵢ over `parts`, one

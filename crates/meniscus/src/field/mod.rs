@@ -8,7 +8,10 @@ mod colors;
 mod error;
 mod evaluate;
 mod metric;
+mod motion;
 mod pack;
+mod presence;
+mod rates;
 mod report;
 mod search;
 mod supports;
@@ -18,6 +21,7 @@ pub use build::{FieldBuild, LARGEST_COORDINATE};
 pub use error::FieldError;
 pub use evaluate::Contribution;
 pub use metric::MetricOrder;
+pub use motion::{FieldAt, Motion};
 pub use report::{FieldReport, SupportSource};
 pub use search::Search;
 
@@ -55,6 +59,8 @@ pub struct BlobField {
     pub weights: Vec<f32>,
     /// The particle's row in its file.
     pub rows: Vec<u32>,
+    /// How the blobs move while the shutter is open; `None`: they stand still.
+    pub motion: Option<Motion>,
     /// Columns to blend.
     pub attributes: Vec<FieldAttribute>,
     /// Median distance of nearest neighbours: the length that tolerances are stated in.
@@ -77,15 +83,6 @@ impl BlobField {
     /// Local centre of blob `i`.
     pub fn center(&self, i: usize) -> Vec3 {
         Vec3::from_array(self.centers[i])
-    }
-
-    /// Local box around the support of blob `i`.
-    pub fn support_box(&self, i: usize) -> Aabb {
-        let half = Vec3::from_array(self.shapes.half_extents(i));
-        Aabb {
-            min: self.center(i) - half,
-            max: self.center(i) + half,
-        }
     }
 
     /// Local box around all supports: the field is 0 outside.

@@ -69,6 +69,7 @@ impl Build<'_> {
                 .with_min_len(PARALLEL)
                 .map(|&i| self.particles.rows[i as usize])
                 .collect(),
+            motion: None,
             attributes,
             spacing: spacing.unwrap_or(0.5 * support_min) as f32,
             search: Search::default(),

@@ -1,7 +1,7 @@
 //! The blobs at a point, found through a tree that is built when it is first needed.
 
-use super::BlobField;
-use crate::math::aabb::DAabb;
+use super::{BlobField, FieldAt};
+use crate::math::aabb::{Aabb, DAabb};
 use crate::particles::neighbours::BoxTree;
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -47,6 +47,13 @@ impl BlobField {
     }
 
     fn support_bounds(&self, i: usize) -> DAabb {
+        if self.motion.is_some() {
+            let Aabb { min, max } = self.support_box(i);
+            return DAabb {
+                min: min.as_dvec3(),
+                max: max.as_dvec3(),
+            };
+        }
         let center = self.center(i).as_dvec3();
         let half = glam::Vec3::from_array(self.shapes.half_extents(i)).as_dvec3();
         DAabb {
@@ -54,19 +61,28 @@ impl BlobField {
             max: center + half,
         }
     }
+}
 
+impl FieldAt<'_> {
     /// Calls `visit(blob, y, q)` with every blob whose support contains the local point (q < 1), in a
     /// fixed order; y = A(x − p) and q = |y|², in float64 on the packed numbers.
     pub fn for_each_blob_at(&self, local: DVec3, mut visit: impl FnMut(usize, DVec3, f64)) {
-        self.support_tree().for_each_containing(local, |blob| {
-            let blob = blob as usize;
-            let y = self
-                .shapes
-                .transform(blob, local - self.center(blob).as_dvec3());
-            let q = y.length_squared();
-            if q < 1.0 {
-                visit(blob, y, q);
-            }
-        });
+        self.field
+            .support_tree()
+            .for_each_containing(local, |blob| {
+                let blob = blob as usize;
+                let y = self.field.shapes.transform(blob, local - self.center(blob));
+                let q = y.length_squared();
+                if q < 1.0 {
+                    visit(blob, y, q);
+                }
+            });
+    }
+}
+
+impl BlobField {
+    /// [`FieldAt::for_each_blob_at`] at the frame's time.
+    pub fn for_each_blob_at(&self, local: DVec3, visit: impl FnMut(usize, DVec3, f64)) {
+        self.at(0.0).for_each_blob_at(local, visit);
     }
 }

@@ -28,20 +28,28 @@ const SIMILAR: f64 = 2.0;
 
 type Row = [f64; LANES];
 
-/// The weights of all particles. `points` is a tree over the positions.
+/// The weights of all particles. `points` is a tree over the positions. Particles that come or go have
+/// `scales` below 1: to others they count as much as their volume does, s³; to themselves in full.
 pub(super) fn volume_weights(
     positions: &[DVec3],
     supports: &Supports,
+    scales: Option<&[f64]>,
     kernel: Kernel,
     points: &BoxTree,
 ) -> Vec<f64> {
     let sums: Vec<Vec<f64>> = with_kernel!(kernel, K => match supports {
-        Supports::Balls(_) => sums::<K, Ball, { HEADER + 1 }>(positions, supports, points),
-        Supports::Ellipsoids(_) => sums::<K, Ellipsoid, { HEADER + 6 }>(positions, supports, points),
+        Supports::Balls(_) => sums::<K, Ball, { HEADER + 1 }>(positions, supports, scales, points),
+        Supports::Ellipsoids(_) => {
+            sums::<K, Ellipsoid, { HEADER + 6 }>(positions, supports, scales, points)
+        }
     });
     let mut weights = vec![0.0; positions.len()];
     for (&item, sum) in points.order().iter().zip(sums.into_iter().flatten()) {
-        weights[item as usize] = supports.determinant(item as usize) / sum;
+        let item = item as usize;
+        let own = supports.determinant(item);
+        // k = 1 at the particle itself.
+        let absent = scales.map_or(0.0, |scales| 1.0 - scales[item].powi(3));
+        weights[item] = own / (sum + own * absent);
     }
     weights
 }
@@ -58,6 +66,7 @@ struct Neighbourhood<const S: usize> {
 fn sums<K: KernelShape, P: Primitive, const S: usize>(
     positions: &[DVec3],
     supports: &Supports,
+    scales: Option<&[f64]>,
     points: &BoxTree,
 ) -> Vec<Vec<f64>> {
     let order = points.order();
@@ -70,7 +79,14 @@ fn sums<K: KernelShape, P: Primitive, const S: usize>(
     let neighbourhood = Neighbourhood::<S> {
         rows: order
             .par_iter()
-            .map(|&item| row(positions[item as usize], supports, item as usize))
+            .map(|&item| {
+                let item = item as usize;
+                let mut row = row(positions[item], supports, item);
+                if let Some(scales) = scales {
+                    row[3] *= scales[item].powi(3);
+                }
+                row
+            })
             .collect(),
         tree: if largest <= SIMILAR * smallest {
             points.refitted(|i| boxes[i])

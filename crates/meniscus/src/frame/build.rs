@@ -70,6 +70,14 @@ pub enum FrameError {
         /// The reference as written.
         written: String,
     },
+    /// An engine that was asked for by name and knows still blobs only.
+    #[error(
+        "engine {engine} traces still particles only; particles, interval and sweep trace moving ones"
+    )]
+    StandsStill {
+        /// Its name.
+        engine: &'static str,
+    },
     /// A name that the scene does not define; [`Scene::validate`] reports it with its place.
     #[error("the scene defines no {kind} `{name}`")]
     UnknownName {
@@ -167,6 +175,14 @@ impl Frame {
         field: BlobField,
         settings: &FrameSettings,
     ) -> Result<(), FrameError> {
+        // Without a word about engines it is `cells`, which hands moving blobs on.
+        if field.motion.is_some()
+            && matches!(settings.engine, Engine::MetaballBvh | Engine::FittedBvh)
+        {
+            return Err(FrameError::StandsStill {
+                engine: settings.engine.name(),
+            });
+        }
         let base = match surface.color_by.as_deref() {
             None => None,
             Some(color_by) => base_color(color_by, surface, &field)?,

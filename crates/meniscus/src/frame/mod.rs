@@ -8,11 +8,13 @@ mod build;
 pub mod environment;
 pub mod looks;
 mod solids;
+mod update;
 
 pub use build::{FrameError, FrameSettings};
 pub use environment::{Environment, EnvironmentError};
 pub use looks::{Absorption, BaseColor, Coloring, GroundLook, Light, Material, Scaling};
 pub use solids::{MeshSurface, Plane, Sphere};
+pub use update::Update;
 
 use crate::accel::supports::SupportTree;
 use crate::accel::{Accel, Engine};

@@ -16,6 +16,7 @@ fn field(centers: Vec<[f32; 3]>) -> BlobField {
         shapes: Shapes::Balls(vec![2.0; count]),
         weights: vec![1.0; count],
         rows: (0..count as u32).collect(),
+        motion: None,
         attributes: vec![FieldAttribute {
             name: "velocity".to_owned(),
             components: 3,

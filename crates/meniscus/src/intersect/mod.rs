@@ -194,7 +194,8 @@ impl Blobs {
         }
         let per_spacing = f64::from(self.field.spacing) / ray.direction.length();
         let local_origin = ray.origin - self.field.origin;
-        let side_at = |t: f64| self.field.side(local_origin + ray.direction * t);
+        let field = self.field.at(ray.time);
+        let side_at = |t: f64| field.side(local_origin + ray.direction * t);
         let first = crossings.len();
         let fine_leaves = scratch.fine_leaves();
         let mut rest = *ray;

@@ -14,7 +14,7 @@ mod events;
 use super::{BlobHit, Counters, Crossing, Scratch};
 use crate::accel::Accel;
 use crate::accel::supports::{Segment, SupportTree};
-use crate::field::BlobField;
+use crate::field::{BlobField, FieldAt};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::number::F64;
@@ -57,8 +57,9 @@ pub(super) fn first(
     let mut found = None;
     sweep(blobs, tree, ray, scratch, |crossing, position, active| {
         let field = &blobs.field;
-        let (outward, strongest) =
-            with_kernel!(field.kernel, K => outward_and_strongest::<K>(field, position, active));
+        let (outward, strongest) = with_kernel!(field.kernel, K => {
+            outward_and_strongest::<K>(field.at(ray.time), position, active)
+        });
         found = Some(BlobHit {
             t: crossing.t,
             outward,
@@ -119,6 +120,7 @@ fn sweep_with<K: KernelShape>(
         direction: ray.direction / largest / (length / largest),
         start: ray.t_min * length,
         end: ray.t_max * length,
+        time_secs: ray.time,
     };
     let Some((near, _)) = tree
         .root()
@@ -329,17 +331,16 @@ fn stays<K: KernelShape>(
 
 /// −∇F at a local position, and the blob with the largest |wᵢ kᵢ| (the first of equals).
 fn outward_and_strongest<K: KernelShape>(
-    field: &BlobField,
+    at: FieldAt<'_>,
     position: DVec3,
     active: &[Active],
 ) -> (DVec3, u32) {
+    let field = at.field();
     let mut outward = DVec3::ZERO;
     let (mut strongest, mut most) = (u32::MAX, -1.0);
     for blob in active {
         let i = blob.index as usize;
-        let y = field
-            .shapes
-            .transform(i, position - field.center(i).as_dvec3());
+        let y = field.shapes.transform(i, position - at.center(i));
         let g = F64((1.0 - y.length_squared()).max(0.0));
         let weight = f64::from(field.weights[i]);
         outward += field.shapes.transform_transposed(i, y) * (2.0 * weight * K::slope(g).0);

@@ -34,10 +34,11 @@ impl Geometry {
         }
     }
 
-    /// Which side an object-space point lies on; open meshes have no inside.
-    pub fn side(&self, point: DVec3, scratch: &mut Scratch) -> Side {
+    /// Which side an object-space point lies on at a time (seconds relative to the frame); open meshes
+    /// have no inside.
+    pub fn side(&self, point: DVec3, time_secs: f64, scratch: &mut Scratch) -> Side {
         match self {
-            Self::Blobs(blobs) => blobs.field.side(point - blobs.field.origin),
+            Self::Blobs(blobs) => blobs.field.at(time_secs).side(point - blobs.field.origin),
             Self::Mesh(mesh) => mesh.side(point, &mut scratch.nodes),
             Self::Sphere(sphere) => sphere.side(point),
             Self::Plane(plane) if plane.height(point) < 0.0 => Side::Inside,
@@ -46,7 +47,7 @@ impl Geometry {
     }
 
     fn is_inside(&self, ray: &Ray, t: f64, scratch: &mut Scratch) -> bool {
-        self.side(ray.at(t), scratch) == Side::Inside
+        self.side(ray.at(t), ray.time, scratch) == Side::Inside
     }
 }
 
@@ -199,7 +200,10 @@ impl Frame {
             normal: plane.normal,
             shading_normal: plane.normal,
             surface: surface as u32,
-            blob: blobs.and_then(|blobs| blobs.field.strongest(object - blobs.field.origin)),
+            blob: blobs.and_then(|blobs| {
+                let local = object - blobs.field.origin;
+                blobs.field.at(ray.time).strongest(local)
+            }),
             entering,
         }
     }
@@ -358,14 +362,16 @@ impl Frame {
         crossings[first..].sort_by(|a, b| a.t.total_cmp(&b.t));
     }
 
-    /// On which side of surface `surface` a world point lies; what is cut away is outside.
-    pub fn side(&self, surface: u32, point: DVec3, scratch: &mut Scratch) -> Side {
+    /// On which side of surface `surface` a world point lies at a time (seconds relative to the frame);
+    /// what is cut away is outside.
+    pub fn side(&self, surface: u32, point: DVec3, time_secs: f64, scratch: &mut Scratch) -> Side {
         let instance = &self.instances[surface as usize];
         let geometry = &self.geometries[instance.geometry as usize];
         if geometry.is_cut() && self.clips.iter().any(|plane| plane.height(point) > 0.0) {
             return Side::Outside;
         }
-        geometry.side(instance.object_from_world.transform_point3(point), scratch)
+        let object = instance.object_from_world.transform_point3(point);
+        geometry.side(object, time_secs, scratch)
     }
 
     /// Whether a ray's point at `t_min` lies inside a blob surface, a closed mesh or a sphere, and is
@@ -374,7 +380,7 @@ impl Frame {
         let start = ray.at(ray.t_min);
         (0_u32..).zip(&self.instances).any(|(surface, instance)| {
             self.geometries[instance.geometry as usize].is_cut()
-                && self.side(surface, start, scratch) == Side::Inside
+                && self.side(surface, start, ray.time, scratch) == Side::Inside
         })
     }
 }

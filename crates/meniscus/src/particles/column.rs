@@ -69,6 +69,35 @@ macro_rules! column_data {
                 match self { $(Self::$variant(values) => write!(out, "{:?}", values[i]),)* }
             }
 
+            /// Values chosen particle by particle: from row `row` of `other` where the flag is true,
+            /// else of these. What the types do not share is converted, saturating.
+            pub(super) fn picked(
+                &self,
+                other: &Self,
+                rows: impl Iterator<Item = (bool, usize)>,
+                components: usize,
+            ) -> Self {
+                match self { $(Self::$variant(values) => {
+                    let theirs = match other {
+                        Self::$variant(theirs) => Some(theirs),
+                        _ => None,
+                    };
+                    let pick = |(is_other, row): (bool, usize), component: usize| -> $type {
+                        let at = row * components + component;
+                        match (is_other, theirs) {
+                            (false, _) => values[at],
+                            (true, Some(theirs)) => theirs[at],
+                            (true, None) => other.get(at) as $type,
+                        }
+                    };
+                    let picked: Vec<$type> = rows
+                        .flat_map(|row| (0..components).map(move |component| (row, component)))
+                        .map(|(row, component)| pick(row, component))
+                        .collect();
+                    picked.into()
+                })* }
+            }
+
             fn select(&mut self, rows: &[usize], components: usize) {
                 match self { $(Self::$variant(values) => {
                     *values = rows

@@ -1,6 +1,7 @@
 //! Particles: positions and named columns, as files and simulations give them.
 
 pub mod attribute;
+pub mod between;
 pub mod column;
 pub mod elements;
 pub mod filter;
@@ -9,6 +10,7 @@ pub mod neighbours;
 pub mod roles;
 pub mod sequence;
 pub mod spacing;
+pub mod trajectory;
 
 pub use attribute::{Attribute, MissingColumn};
 pub use column::{Column, ColumnData};

@@ -19,6 +19,8 @@ pub enum Role {
     Color,
     /// The metric M of an ellipsoid's q = dᵀMd; six components or nine.
     Metric,
+    /// How much of its support a particle has, 0 to 1: one that comes or goes; one component.
+    SupportScale,
 }
 
 /// The usual names of one role.
@@ -33,13 +35,14 @@ struct Usual {
 
 impl Role {
     /// Every role.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Radius,
         Self::Velocity,
         Self::Acceleration,
         Self::Id,
         Self::Color,
         Self::Metric,
+        Self::SupportScale,
     ];
 
     /// The name under which [`Particles::attribute`] knows the role.
@@ -51,6 +54,7 @@ impl Role {
             Self::Id => "id",
             Self::Color => "color",
             Self::Metric => "metric",
+            Self::SupportScale => "support_scale",
         }
     }
 
@@ -152,6 +156,11 @@ impl Role {
                     ("anisotropy", 1.0),
                     ("G", 1.0),
                 ],
+                groups: &[],
+            },
+            Self::SupportScale => Usual {
+                components: &[1],
+                columns: &[("support_scale", 1.0)],
                 groups: &[],
             },
         }

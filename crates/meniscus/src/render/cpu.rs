@@ -243,6 +243,7 @@ impl<'a> Job<'a> {
                     .film_position([x, y], self.settings.spp, &mut sampler);
                 block.eye.rays.push(Ray {
                     side: self.eye_side,
+                    time: self.time_secs([x, y], sample),
                     ..self.camera.ray(position)
                 });
                 block.starts.push(Start {
@@ -253,6 +254,17 @@ impl<'a> Job<'a> {
             }
         }
         self.shader.find_first(&mut block.eye, scratch);
+    }
+
+    /// When a sample is taken: spread evenly over the shutter, by numbers of their own, so that nothing
+    /// else of the sample depends on the shutter.
+    fn time_secs(&self, pixel: [u32; 2], sample: u32) -> f64 {
+        let [open, close] = self.settings.shutter_secs;
+        if open == close {
+            return open;
+        }
+        let seed = self.settings.seed ^ TIME_SEED;
+        open + (close - open) * PixelSampler::new(pixel, sample, seed).next_1d()
     }
 
     /// Adds one sample of the pixels of `block` that lie in the film.
@@ -304,6 +316,9 @@ impl<'a> Job<'a> {
         })
     }
 }
+
+/// Sets the times of samples apart from their other random numbers.
+const TIME_SEED: u32 = 0x5bd1_e995;
 
 /// A sample of a pixel before it is traced.
 struct Start {

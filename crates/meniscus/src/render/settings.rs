@@ -23,6 +23,8 @@ pub struct RenderSettings {
     pub channels: Arc<ChannelSet>,
     /// What stands behind the surfaces.
     pub background: Background,
+    /// When the shutter opens and closes, in seconds relative to the frame.
+    pub shutter_secs: [f64; 2],
     /// How light is gathered.
     pub integrator: IntegratorSettings,
     /// Adaptive sampling: relative noise at which a tile is done, see
@@ -45,6 +47,7 @@ impl Default for RenderSettings {
             seed: 0,
             channels: Arc::new(ChannelSet::default()),
             background: Background::Sky,
+            shutter_secs: [0.0; 2],
             integrator: IntegratorSettings::default(),
             noise: None,
             time_limit: None,

@@ -64,6 +64,8 @@ pub(super) struct SurfaceAttributes {
     parts: Vec<Contribution>,
     blend: Vec<f64>,
     own: Vec<f32>,
+    /// When, in seconds relative to the frame.
+    pub(super) time_secs: f64,
     /// All attributes of the frame, see [`frame_attributes`].
     pub(super) all: Vec<f32>,
 }
@@ -77,7 +79,8 @@ impl SurfaceAttributes {
         if let Some(blobs) = frame.geometries[instance.geometry as usize].blobs() {
             let object = instance.object_from_world.transform_point3(position);
             let local = object - blobs.field.origin;
-            blobs.field.contributions(local, &mut self.parts);
+            let field = blobs.field.at(self.time_secs);
+            field.contributions(local, &mut self.parts);
         }
     }
 

@@ -17,14 +17,14 @@ pub(super) struct MediumStack {
 }
 
 impl MediumStack {
-    /// The stack at a world point, by asking every clear surface.
+    /// The stack at a world point at the frame's time, by asking every clear surface.
     pub(super) fn at(frame: &Frame, point: DVec3) -> Self {
         let mut stack = Self::default();
         let mut scratch = Scratch::default();
         for (surface, instance) in frame.instances.iter().enumerate() {
             let surface = surface as u32;
             let is_medium = frame.materials[instance.material as usize].is_medium();
-            if is_medium && frame.side(surface, point, &mut scratch) == Side::Inside {
+            if is_medium && frame.side(surface, point, 0.0, &mut scratch) == Side::Inside {
                 stack.enter(surface);
             }
         }

@@ -30,6 +30,14 @@ pub(crate) struct PictureOptions {
     pub samples: Option<Range<u32>>,
     /// When to stop adding samples.
     pub time_limit: Option<Duration>,
+    /// Frames per second of a film, and of the input.
+    pub fps: f64,
+    /// Pictures for each frame of the input, where there are more than one.
+    pub slow_motion: Option<f64>,
+    /// Factor that turns the particles' velocities into units of length per second.
+    pub velocity_scale: f64,
+    /// Longest wait for the next frame of a running simulation.
+    pub watch_timeout: Option<Duration>,
     /// Whether the noise is taken out at the end.
     pub denoise: bool,
     /// The one legend of a sequence whose colour range is fixed; else each picture has its own.
@@ -45,21 +53,33 @@ impl PictureOptions {
     ) -> Outcome<Self> {
         refuse_what_is_to_come(args)?;
         check_denoise(args)?;
-        if format == PictureFormat::Png && !args.aov.is_empty() {
+        if format != PictureFormat::Exr && !args.aov.is_empty() {
             return Err(
-                Failure::wrong("--aov needs an EXR: a PNG holds colour alone")
+                Failure::wrong("--aov needs an EXR: PNG and MP4 hold colour alone")
                     .with_help("write the picture as .exr"),
             );
         }
-        if format == PictureFormat::Png && args.aov_style.is_some() {
+        if format != PictureFormat::Exr && args.aov_style.is_some() {
             return Err(
                 Failure::wrong("--aov-style needs an EXR").with_help("write the picture as .exr")
             );
         }
-        if args.fps.is_some() {
+        let is_film = format == PictureFormat::Mp4;
+        check_kinds_of_sequence(args, format)?;
+        if args.fps.is_some() && !is_film && args.slow_motion.is_none() {
             reporter.warn("--fps changes nothing: pictures without shutter time have no speed");
         }
-        let fixed_range = args.color_range.is_some() && is_pattern(&args.output);
+        if is_film && args.png_depth != 8 {
+            return Err(Failure::wrong("--png-depth needs a PNG: films have 8 bits"));
+        }
+        if is_film && args.color_by.is_some() && args.color_range.is_none() {
+            reporter.warn(
+                "colours are spread over each frame's own values, so they flicker; \
+                 --color-range fixes them",
+            );
+        }
+        let is_one_of_many = is_film || is_pattern(&args.output);
+        let fixed_range = args.color_range.is_some() && is_one_of_many;
         Ok(Self {
             format,
             aov: args.aov.clone(),
@@ -93,10 +113,56 @@ impl PictureOptions {
                 .samples
                 .map(|range| range.first..range.last.saturating_add(1)),
             time_limit: args.time_limit.map(time_limit).transpose()?,
+            fps: fps(args.fps)?,
+            slow_motion: args.slow_motion,
+            velocity_scale: velocity_scale(args, reporter)?,
+            watch_timeout: watch_timeout(args)?,
             denoise: args.denoise,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
         })
     }
+}
+
+/// Frames per second where nothing is said.
+const DEFAULT_FPS: f64 = 25.0;
+/// Most frames per second that make sense.
+const MAX_FPS: f64 = 1000.0;
+
+fn fps(given: Option<f64>) -> Outcome<f64> {
+    let fps = given.unwrap_or(DEFAULT_FPS);
+    if fps > 0.0 && fps <= MAX_FPS {
+        return Ok(fps);
+    }
+    Err(Failure::wrong(format!(
+        "--fps must be a number above 0 and up to {MAX_FPS}, not {fps}"
+    )))
+}
+
+/// One picture cannot belong to two kinds of sequence.
+fn check_kinds_of_sequence(args: &RenderArgs, format: PictureFormat) -> Outcome {
+    let kinds = [
+        ("--turntable", args.turntable.is_some()),
+        ("--slow-motion", args.slow_motion.is_some()),
+        ("--watch", args.watch),
+    ];
+    let given: Vec<&str> = kinds
+        .iter()
+        .filter(|kind| kind.1)
+        .map(|kind| kind.0)
+        .collect();
+    if let [first, second, ..] = given[..] {
+        return Err(Failure::wrong(format!(
+            "{first} and {second} do not go together"
+        )));
+    }
+    if args.watch && format != PictureFormat::Mp4 && !is_pattern(&args.output) {
+        return Err(Failure::wrong(format!(
+            "--watch writes a picture for every frame, which cannot all go to {}",
+            args.output.display()
+        ))
+        .with_help("put {} where the frame number goes, as in -o 'frame_{}.png', or write .mp4"));
+    }
+    Ok(())
 }
 
 /// Whether the noise can be taken out of the picture.
@@ -116,6 +182,34 @@ fn check_denoise(args: &RenderArgs) -> Outcome {
         ));
     }
     Ok(())
+}
+
+fn velocity_scale(args: &RenderArgs, reporter: &Reporter) -> Outcome<f64> {
+    let scale = args.velocity_scale.unwrap_or(1.0);
+    if !(scale.is_finite() && scale != 0.0) {
+        return Err(Failure::wrong(format!(
+            "--velocity-scale must be a number other than 0, not {scale}"
+        )));
+    }
+    if args.velocity_scale.is_some() && args.slow_motion.is_none() {
+        reporter.warn("--velocity-scale changes nothing without --slow-motion");
+    }
+    Ok(scale)
+}
+
+fn watch_timeout(args: &RenderArgs) -> Outcome<Option<Duration>> {
+    let Some(secs) = args.watch_timeout else {
+        return Ok(None);
+    };
+    if !args.watch {
+        return Err(Failure::wrong("--watch-timeout needs --watch"));
+    }
+    match Duration::try_from_secs_f64(secs) {
+        Ok(timeout) => Ok(Some(timeout)),
+        Err(_) => Err(Failure::wrong(format!(
+            "--watch-timeout must be a number of seconds, not {secs}"
+        ))),
+    }
 }
 
 fn time_limit(secs: f64) -> Outcome<Duration> {
@@ -195,8 +289,15 @@ pub(crate) fn edit_scene(args: &RenderArgs, format: PictureFormat, scene: &mut S
         ));
     }
     let background = args.background.as_deref().map(background).transpose()?;
+    if format == PictureFormat::Mp4 && background == Some(Background::Transparent) {
+        return Err(Failure::wrong("a film cannot be transparent")
+            .with_help("write pictures: -o 'frame_{}.png' or 'frame_{}.exr'"));
+    }
+    if format == PictureFormat::Mp4 && scene.film.background == Some(Background::Transparent) {
+        scene.film.background = None;
+    }
     scene.film.background = background.or(scene.film.background).or(match format {
-        PictureFormat::Png => Some(Background::Sky),
+        PictureFormat::Png | PictureFormat::Mp4 => Some(Background::Sky),
         PictureFormat::Exr => Some(Background::Transparent),
     });
     if args.ground {

@@ -1,11 +1,10 @@
 //! One picture: read, build, render, write.
 
+use super::ahead::Ready;
 use super::options::PictureOptions;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
 use crate::job::engine::EngineChoice;
-use crate::job::input::FrameInput;
-use crate::job::load::{self, LoadedFrame};
 use crate::job::output::PictureFormat;
 use crate::progress::Reporter;
 use crate::stats::{FrameStats, ImageStats, RayStats, peak_rss_bytes};
@@ -23,10 +22,8 @@ use std::time::Instant;
 
 /// What one picture is made from.
 pub(crate) struct FrameWork<'a> {
-    /// Where the particles come from.
-    pub input: &'a FrameInput,
-    /// The scene, everything applied.
-    pub scene: &'a Scene,
+    /// The frame and its scene.
+    pub ready: &'a Ready,
     /// Where the picture goes.
     pub output: &'a Path,
     /// About the file.
@@ -53,7 +50,7 @@ fn mean_samples(film: &Film, rendered: &RenderStats) -> f64 {
 
 /// Whether pixels may get fewer samples than `spp`.
 fn film_stops_early(work: &FrameWork<'_>) -> bool {
-    work.scene.film.noise.is_some() || work.options.time_limit.is_some()
+    work.scene().film.noise.is_some() || work.options.time_limit.is_some()
 }
 
 /// Depths between which the framed objects lie.
@@ -65,16 +62,20 @@ fn depth_range(frame: &Frame, camera: &Camera) -> [f64; 2] {
 }
 
 impl FrameWork<'_> {
-    /// Reads and builds the frame.
-    pub(crate) fn load(&self, reporter: &Reporter) -> Outcome<LoadedFrame> {
-        let aov = &self.options.aov;
-        load::load(self.input, self.scene, aov, self.engine, reporter)
+    fn scene(&self) -> &Scene {
+        &self.ready.scene
     }
 
     /// Renders and writes the picture.
-    pub(crate) fn render(&self, loaded: &LoadedFrame, reporter: &Reporter) -> Outcome<FrameStats> {
+    pub(crate) fn render(&self, reporter: &Reporter) -> Outcome<FrameStats> {
         let start = Instant::now();
-        let mut camera = camera(self.scene, &loaded.frame)?;
+        let Ready {
+            loaded,
+            read_secs,
+            build_secs,
+            ..
+        } = self.ready;
+        let mut camera = camera(self.scene(), &loaded.frame)?;
         if self.turn != 0.0 {
             let center = loaded.frame.framing_bounds().center();
             camera = camera.turned(center, loaded.frame.up, self.turn);
@@ -85,9 +86,9 @@ impl FrameWork<'_> {
             film.denoise()
                 .map_err(|error| Failure::work(error.to_string()))?;
         }
-        if self.scene.cues.are_wanted() {
+        if self.scene().cues.are_wanted() {
             let range = depth_range(&loaded.frame, &camera);
-            film.apply_cues(&self.scene.cues, &camera, range);
+            film.apply_cues(&self.scene().cues, &camera, range);
         }
         interrupt::check()?;
         if film_stops_early(self) {
@@ -102,14 +103,13 @@ impl FrameWork<'_> {
             "{}: {} particles, read {:.3} s, build {:.3} s, render {:.3} s, write {write_secs:.3} s",
             self.output.display(),
             loaded.particles(),
-            loaded.read_secs,
-            loaded.build_secs,
+            read_secs,
+            build_secs,
             rendered.seconds,
         ));
-        let before = loaded.read_secs + loaded.build_secs;
-        let total_secs = before + start.elapsed().as_secs_f64();
+        let total_secs = read_secs + build_secs + start.elapsed().as_secs_f64();
         let mean_samples = mean_samples(&film, &rendered);
-        Ok(self.stats(loaded, &rendered, mean_samples, [write_secs, total_secs]))
+        Ok(self.stats(&rendered, mean_samples, [write_secs, total_secs]))
     }
 
     fn film(
@@ -118,9 +118,9 @@ impl FrameWork<'_> {
         camera: &Camera,
         reporter: &Reporter,
     ) -> Outcome<(Film, RenderStats)> {
-        let film = &self.scene.film;
+        let film = &self.scene().film;
         let mut aov = self.options.aov.clone();
-        if self.scene.cues.silhouettes > 0.0 {
+        if self.scene().cues.silhouettes > 0.0 {
             aov.push("normal".to_owned());
         }
         if self.options.denoise {
@@ -134,7 +134,7 @@ impl FrameWork<'_> {
             samples: self.options.samples.clone(),
             channels: Arc::new(channels),
             background: film.background.unwrap_or_default(),
-            integrator: self.scene.integrator.clone(),
+            integrator: self.scene().integrator.clone(),
             noise: film.noise,
             time_limit: self.options.time_limit,
             ..RenderSettings::default()
@@ -159,13 +159,14 @@ impl FrameWork<'_> {
 
     fn write(&self, film: &Film, frame: &Frame) -> Outcome {
         let failed = |error: FilmError| Failure::work(error.to_string());
-        if let Some(legend) = self.legend(frame) {
-            let picture = self.options.shared_legend.as_deref().unwrap_or(self.output);
+        if let Some(picture) = self.legend_beside()
+            && let Some(legend) = self.legend(frame)
+        {
             legend.write_beside(picture).map_err(failed)?;
         }
         match self.options.format {
-            PictureFormat::Png => {
-                let settings = &self.scene.film;
+            PictureFormat::Png | PictureFormat::Mp4 => {
+                let settings = &self.scene().film;
                 let tone = Tone {
                     curve: Curve::Filmic,
                     exposure: settings.exposure as f32,
@@ -183,6 +184,13 @@ impl FrameWork<'_> {
         }
     }
 
+    /// The picture that the legend goes with: one of a sequence stands for all where the range is
+    /// fixed; a film whose range moves has none.
+    fn legend_beside(&self) -> Option<&Path> {
+        let own = (self.options.format != PictureFormat::Mp4).then_some(self.output);
+        self.options.shared_legend.as_deref().or(own)
+    }
+
     /// The legend of the first surface that is coloured by a column.
     fn legend(&self, frame: &Frame) -> Option<Legend> {
         let coloring = frame
@@ -193,7 +201,7 @@ impl FrameWork<'_> {
                 BaseColor::Constant(_) | BaseColor::Direct(_) => None,
             })?;
         let by = Some(coloring.label.as_str());
-        let surface = (self.scene.surfaces.iter()).find(|s| s.color_by.as_deref() == by)?;
+        let surface = (self.scene().surfaces.iter()).find(|s| s.color_by.as_deref() == by)?;
         Some(Legend {
             name: coloring.label.clone(),
             unit: None,
@@ -204,14 +212,14 @@ impl FrameWork<'_> {
 
     fn stats(
         &self,
-        loaded: &LoadedFrame,
         rendered: &RenderStats,
         mean_samples: f64,
         [write_secs, total_secs]: [f64; 2],
     ) -> FrameStats {
+        let loaded = &self.ready.loaded;
         let reports = &loaded.reports;
         let settings = loaded.settings.first();
-        let film = &self.scene.film;
+        let film = &self.scene().film;
         let rays = &rendered.rays;
         FrameStats {
             particles: loaded.particles(),
@@ -235,8 +243,8 @@ impl FrameWork<'_> {
                 spp: film.spp,
                 mean_samples,
             },
-            read_secs: loaded.read_secs,
-            build_secs: loaded.build_secs,
+            read_secs: self.ready.read_secs,
+            build_secs: self.ready.build_secs,
             render_secs: rendered.seconds,
             write_secs,
             total_secs,

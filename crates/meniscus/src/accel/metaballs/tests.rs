@@ -53,6 +53,7 @@ fn field(count: usize, size: f32, ellipsoids: bool, negative: bool) -> BlobField
         shapes,
         weights,
         rows: (0..count as u32).collect(),
+        motion: None,
         attributes: Vec::new(),
         spacing: 0.7,
         search: Search::default(),

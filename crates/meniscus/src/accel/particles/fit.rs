@@ -1,11 +1,12 @@
 //! Boxes and leaf contents of a tree whose topology stands: the last step of a build, and all of a
 //! refit.
 
-use super::layout::{Node, leaf_blocks};
+use super::layout::{Node, columns, leaf_blocks};
 use crate::accel::cells::layout::{Block, LANES, LEAF, LeafHeader};
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -57,15 +58,19 @@ pub(super) fn inner_level(field: &BlobField) -> f32 {
 }
 
 /// Leaves that know how many blobs they hold and which.
-pub(super) fn leaves_of<P: Primitive>(ranges: &[Range<usize>], order: &[u32]) -> Vec<Block> {
-    let per_leaf = leaf_blocks::<P>();
+pub(super) fn leaves_of<P: Primitive>(
+    ranges: &[Range<usize>],
+    order: &[u32],
+    moves: bool,
+) -> Vec<Block> {
+    let per_leaf = leaf_blocks::<P>(moves);
     let mut blocks = vec![Block::ZERO; per_leaf * ranges.len()];
     blocks
         .par_chunks_mut(per_leaf)
         .zip(ranges)
         .for_each(|(leaf, range)| {
             leaf[0].0[0] = f32::from_bits(range.len() as u32);
-            let indices = &mut leaf[per_leaf - 1].0;
+            let indices = &mut leaf[columns::<P>()].0;
             for (slot, &index) in indices.iter_mut().zip(&order[range.clone()]) {
                 *slot = f32::from_bits(index);
             }
@@ -73,21 +78,53 @@ pub(super) fn leaves_of<P: Primitive>(ranges: &[Range<usize>], order: &[u32]) ->
     blocks
 }
 
-/// Fills a leaf with its blobs; returns its box.
+/// The boxes around the support of blob `i` when the shutter opens and closes, such that those between
+/// them hold it at all times between: half an acceleration a' bends the way off its chord by up to
+/// a'Δ²/4.
+fn boxes_at_ends(field: &BlobField, i: usize) -> [Aabb; 2] {
+    let Some(motion) = &field.motion else {
+        return [field.support_box(i); 2];
+    };
+    let half = Vec3::from_array(field.shapes.half_extents(i));
+    let [open, close] = motion.shutter;
+    let bend = motion.rates(i)[1] * (0.25 * (close - open).powi(2));
+    motion.shutter.map(|time_secs| {
+        let center = field.at(time_secs).center(i);
+        let low = center - bend.max(DVec3::ZERO);
+        let high = center - bend.min(DVec3::ZERO);
+        Aabb {
+            min: low.as_vec3() - half,
+            max: high.as_vec3() + half,
+        }
+    })
+}
+
+/// Fills a leaf with its blobs; returns its boxes when the shutter opens and closes, which are the same
+/// where nothing moves.
 pub(super) fn fit_leaf<P: Primitive>(
     field: &BlobField,
     typical: f32,
     pad: f32,
     leaf: &mut [Block],
-) -> Aabb {
+) -> [Aabb; 2] {
     let count = LeafHeader::from_block(&leaf[0]).count;
-    let (front, indices) = leaf.split_at_mut(4 + P::COLUMNS + 1);
+    let (front, rest) = leaf.split_at_mut(columns::<P>());
+    let (indices, rates) = rest.split_at_mut(1);
     let indices = &indices[0].0[..count];
     let index = |slot: usize| indices[slot].to_bits() as usize;
-    let bounds = (0..count).fold(Aabb::EMPTY, |bounds, slot| {
-        bounds.union(field.support_box(index(slot)))
-    });
-    let bounds = bounds.padded(pad);
+    let mut ends = [Aabb::EMPTY; 2];
+    for slot in 0..count {
+        let boxes = boxes_at_ends(field, index(slot));
+        for (end, bounds) in ends.iter_mut().zip(boxes) {
+            *end = end.union(bounds);
+        }
+    }
+    let ends = ends.map(|bounds| bounds.padded(pad));
+    let bounds = ends[0].union(ends[1]);
+    let middle = field
+        .motion
+        .as_ref()
+        .map_or(0.0, crate::field::Motion::middle_secs);
     let center = bounds.center();
     let mut steepest = 0.0_f32;
     for slot in 0..LANES {
@@ -97,8 +134,8 @@ pub(super) fn fit_leaf<P: Primitive>(
         P::pack(&field.shapes, i, &mut columns[..P::COLUMNS]);
         let (offset, weight) = if slot < count {
             steepest = steepest.max(columns.iter().map(|a| a * a).sum());
-            // Both are f32 and close together: the difference loses at most half an ulp.
-            ((field.center(i) - center).to_array(), field.weights[i])
+            let offset = (field.at(middle).center(i) - center.as_dvec3()).as_vec3();
+            (offset.to_array(), field.weights[i])
         } else {
             (NOWHERE, 0.0)
         };
@@ -109,6 +146,14 @@ pub(super) fn fit_leaf<P: Primitive>(
             front[4 + k].0[slot] = columns[k];
         }
         front[4 + P::COLUMNS].0[slot] = weight;
+        if let Some(motion) = &field.motion {
+            let [velocity, half] = motion.rates(i);
+            let there = velocity + half * (2.0 * middle);
+            for axis in 0..3 {
+                rates[axis].0[slot] = there[axis] as f32;
+                rates[3 + axis].0[slot] = half[axis] as f32;
+            }
+        }
     }
     // |A|² ≥ β along every ray.
     let extent = bounds
@@ -127,36 +172,49 @@ pub(super) fn fit_leaf<P: Primitive>(
         },
     }
     .to_block();
-    bounds
+    ends
 }
 
 /// Where lanes without a blob lie: what is there reaches no ray.
 const NOWHERE: [f32; 3] = [1e15; 3];
 
-/// Sets the boxes of all nodes from those of the leaves; returns the box around everything.
-pub(super) fn fit_nodes(nodes: &mut [Node], leaves: &[Aabb]) -> Aabb {
+/// Sets the boxes of all nodes from those of the leaves, or those of `closing` where it is not empty;
+/// returns the box around everything, and how many boxes a ray that meets it meets by the surface
+/// area heuristic.
+pub(super) fn fit_nodes(
+    nodes: &mut [Node],
+    closing: &mut [[[f32; 8]; 6]],
+    leaves: impl Fn(usize) -> Aabb,
+) -> (Aabb, f32) {
+    let mut areas = 0.0_f64;
     let mut boxes = vec![Aabb::EMPTY; nodes.len()];
     // Children stand behind their parents.
     for index in (0..nodes.len()).rev() {
-        let node = &mut nodes[index];
+        let children = nodes[index].children;
+        let target = match closing.get_mut(index) {
+            Some(bounds) => bounds,
+            None => &mut nodes[index].bounds,
+        };
         let mut all = Aabb::EMPTY;
         for slot in 0..8 {
-            let reference = node.children[slot];
+            let reference = children[slot];
             if reference == Node::NONE {
                 break;
             }
             let bounds = if reference & LEAF != 0 {
-                leaves[(reference & !LEAF) as usize]
+                leaves((reference & !LEAF) as usize)
             } else {
                 boxes[reference as usize]
             };
             for axis in 0..3 {
-                node.bounds[axis][slot] = bounds.min[axis];
-                node.bounds[3 + axis][slot] = bounds.max[axis];
+                target[axis][slot] = bounds.min[axis];
+                target[3 + axis][slot] = bounds.max[axis];
             }
+            areas += f64::from(bounds.half_area());
             all = all.union(bounds);
         }
         boxes[index] = all;
     }
-    boxes[0]
+    let cost = areas / f64::from(boxes[0].half_area()).max(f64::MIN_POSITIVE);
+    (boxes[0], cost as f32)
 }

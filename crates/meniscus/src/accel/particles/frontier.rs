@@ -18,12 +18,20 @@ pub struct Slabs<S: Simd> {
     near_row: [usize; 3],
     far_row: [usize; 3],
     end: f32x8<S>,
+    /// How much of the shutter's time is over, 0 to 1.
+    elapsed: f32x8<S>,
 }
 
 impl<S: Simd> Slabs<S> {
-    /// From a ray.
+    /// From a ray at a time within the shutter.
     #[inline(always)]
-    pub fn new(simd: S, ray: &SlabRay) -> Self {
+    pub fn new(simd: S, ray: &SlabRay, tree: &ParticleTree, time_secs: f64) -> Self {
+        let [open, close] = tree.shutter_secs;
+        let elapsed = if close > open {
+            ((time_secs - open) / (close - open)).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         let row = |axis: usize, upper: bool| {
             if (ray.inverse[axis] < 0.0) == upper {
                 axis
@@ -37,6 +45,7 @@ impl<S: Simd> Slabs<S> {
             near_row: [row(0, false), row(1, false), row(2, false)],
             far_row: [row(0, true), row(1, true), row(2, true)],
             end: f32x8::splat(simd, ray.t_max),
+            elapsed: f32x8::splat(simd, elapsed as f32),
         }
     }
 }
@@ -73,23 +82,30 @@ impl Frontier {
         if reference & LEAF != 0 {
             return Some(reference & !LEAF);
         }
-        self.open(simd, &tree.nodes[reference as usize], ray);
+        let index = reference as usize;
+        self.open(simd, &tree.nodes[index], tree.closing.get(index), ray);
         None
     }
 
     #[inline(always)]
-    fn open<S: Simd>(&mut self, simd: S, node: &Node, ray: &Slabs<S>) {
+    fn open<S: Simd>(
+        &mut self,
+        simd: S,
+        node: &Node,
+        closing: Option<&[[f32; 8]; 6]>,
+        ray: &Slabs<S>,
+    ) {
         let near = xyz(
             #[inline(always)]
             |axis| {
-                let faces = f32x8::from_slice(simd, &node.bounds[ray.near_row[axis]]);
+                let faces = bounds_at(simd, node, closing, ray, ray.near_row[axis]);
                 (faces - ray.origin[axis]) * ray.inverse[axis]
             },
         );
         let far = xyz(
             #[inline(always)]
             |axis| {
-                let faces = f32x8::from_slice(simd, &node.bounds[ray.far_row[axis]]);
+                let faces = bounds_at(simd, node, closing, ray, ray.far_row[axis]);
                 (faces - ray.origin[axis]) * ray.inverse[axis]
             },
         );
@@ -116,5 +132,26 @@ impl Frontier {
             at -= 1;
         }
         self.entries[at] = entry;
+    }
+}
+
+/// One of the six bounds of a node's children at the ray's time.
+#[inline(always)]
+fn bounds_at<S: Simd>(
+    simd: S,
+    node: &Node,
+    closing: Option<&[[f32; 8]; 6]>,
+    ray: &Slabs<S>,
+    row: usize,
+) -> f32x8<S> {
+    let open = f32x8::from_slice(simd, &node.bounds[row]);
+    match closing {
+        None => open,
+        Some(closing) => {
+            let close = f32x8::from_slice(simd, &closing[row]);
+            // Children that do not exist have infinite boxes, between which there is no number.
+            let exists = open.abs().simd_lt(f32x8::splat(simd, f32::INFINITY));
+            exists.select((close - open) * ray.elapsed + open, open)
+        }
     }
 }

@@ -1,5 +1,5 @@
 //! The nodes of `particles`: eight-wide, children behind their parents; and its leaves, which are those
-//! of [`cells`](crate::accel::cells::layout) with one chunk each.
+//! of [`cells`](crate::accel::cells::layout) with one chunk each and columns for what moves.
 
 use crate::primitive::Primitive;
 
@@ -32,12 +32,16 @@ impl Node {
     pub const NONE: u32 = u32::MAX;
 }
 
-/// Blocks of a leaf: its header, x, y, z, the shape's columns, the weight and the index.
-pub const fn leaf_blocks<P: Primitive>() -> usize {
-    1 + columns::<P>()
-}
-
-/// Columns of a blob.
+/// Columns of a blob: x, y, z, the shape's columns, the weight and the index.
 pub const fn columns<P: Primitive>() -> usize {
     3 + P::COLUMNS + 2
+}
+
+/// Columns of a blob that moves, behind the others: its velocity in the middle of the shutter, where
+/// x, y and z are taken too, and half its acceleration.
+pub const MOTION_COLUMNS: usize = 6;
+
+/// Blocks of a leaf: its header and the columns.
+pub const fn leaf_blocks<P: Primitive>(moves: bool) -> usize {
+    1 + columns::<P>() + if moves { MOTION_COLUMNS } else { 0 }
 }

@@ -28,6 +28,11 @@ use topology::Topology;
 pub struct ParticleTree {
     /// Eight-wide nodes, root first, children behind their parents.
     pub nodes: Vec<Node>,
+    /// Boxes of the nodes' children when the shutter closes, where blobs move: those of `nodes` are from
+    /// when it opens. A box in between holds what it has to at the time in between.
+    pub closing: Vec<[[f32; 8]; 6]>,
+    /// When the shutter opens and closes, in seconds relative to the frame.
+    pub shutter_secs: [f64; 2],
     /// Leaves, each a header and one chunk of blobs; see [`layout`].
     pub blocks: Vec<Block>,
     /// Local box around all supports.
@@ -39,7 +44,14 @@ pub struct ParticleTree {
     /// Where g reaches this, any single blob reaches the threshold: the inner spheres
     /// of Ray Tracing Gems II §35.4, by the smallest weight. At least 1 where not all blobs have one, or weights are negative.
     pub inner_level: f32,
+    /// Boxes that a ray that meets `bounds` meets, by the surface area heuristic: now, and when the
+    /// tree was built.
+    cost: f32,
+    cost_when_built: f32,
 }
+
+/// A refitted tree is worn where rays meet this many times the boxes of the one that was built.
+const WORN: f32 = 1.25;
 
 impl ParticleTree {
     /// Builds the tree of `field`. The same field gives the same tree for any number of threads.
@@ -74,19 +86,25 @@ impl ParticleTree {
         let Topology { nodes, leaves } = topology;
         let mut tree = Self {
             nodes,
-            blocks: fit::leaves_of::<P>(&leaves, &order),
+            blocks: fit::leaves_of::<P>(&leaves, &order, field.motion.is_some()),
             leaves: leaves.len(),
             ..Self::default()
         };
         tree.fit::<P>(field);
+        tree.cost_when_built = tree.cost;
         tree
     }
 
+    /// Whether refitting has made the boxes so much larger that a new tree is worth its build.
+    pub fn is_worn(&self) -> bool {
+        self.cost > WORN * self.cost_when_built
+    }
+
     /// Fits the tree to blobs that have moved, changed their shape or their weight: the same blobs in
-    /// the same leaves. Right for any motion, good for small ones.
+    /// the same leaves. Right for any motion, good for small ones ([`ParticleTree::is_worn`]).
     ///
     /// # Panics
-    /// If `field` does not have the blobs that the tree was built of.
+    /// If `field` does not have the blobs that the tree was built of, or moves and the other did not.
     pub fn refit(&mut self, field: &BlobField) {
         match field.shapes {
             Shapes::Balls(_) => self.fit::<Ball>(field),
@@ -106,17 +124,40 @@ impl ParticleTree {
         // The slab test's rounding grows with the distance travelled within the box.
         let pad = 5e-7 * all.size().length().max(all.center().abs().max_element());
         let typical = self.typical_support;
-        let fitted: Vec<Aabb> = self
+        let moves = field.motion.is_some();
+        let fitted: Vec<[Aabb; 2]> = self
             .blocks
-            .par_chunks_mut(layout::leaf_blocks::<P>())
+            .par_chunks_mut(layout::leaf_blocks::<P>(moves))
             .map(|leaf| fit::fit_leaf::<P>(field, typical, pad, leaf))
             .collect();
-        self.bounds = Some(fit::fit_nodes(&mut self.nodes, &fitted));
+        let (bounds, cost) = fit::fit_nodes(&mut self.nodes, &mut [], |leaf| fitted[leaf][0]);
+        (self.bounds, self.cost) = (Some(bounds), cost);
+        if let Some(motion) = &field.motion {
+            self.shutter_secs = motion.shutter;
+            self.closing
+                .resize(self.nodes.len(), layout::Node::EMPTY.bounds);
+            let closing = &mut self.closing;
+            let (close, _) = fit::fit_nodes(&mut self.nodes, closing, |leaf| fitted[leaf][1]);
+            self.bounds = Some(bounds.union(close));
+        }
+    }
+
+    /// Whether its blobs move while the shutter is open.
+    pub fn moves(&self) -> bool {
+        !self.closing.is_empty()
+    }
+
+    /// Seconds from the middle of the shutter, where the leaves' blobs are taken, to a time within it.
+    pub fn since_middle_secs(&self, time_secs: f64) -> f32 {
+        let [open, close] = self.shutter_secs;
+        (time_secs.clamp(open, close) - 0.5 * (open + close)) as f32
     }
 
     /// Memory held.
     pub fn structure_bytes(&self) -> usize {
-        self.nodes.len() * size_of::<Node>() + self.blocks.len() * size_of::<Block>()
+        self.nodes.len() * size_of::<Node>()
+            + size_of_val(&*self.closing)
+            + self.blocks.len() * size_of::<Block>()
     }
 }
 

@@ -33,6 +33,7 @@ fn field(count: usize, spread: bool) -> BlobField {
         shapes: Shapes::Balls(radii),
         weights: vec![1.0; count],
         rows: (0..count as u32).collect(),
+        motion: None,
         attributes: Vec::new(),
         spacing: 0.05,
         search: Search::default(),
@@ -48,7 +49,7 @@ fn check(tree: &ParticleTree, field: &BlobField) {
     if let Some(bounds) = tree.bounds {
         open.push((0, bounds));
     }
-    let per_leaf = layout::leaf_blocks::<Ball>();
+    let per_leaf = layout::leaf_blocks::<Ball>(field.motion.is_some());
     while let Some((reference, bounds)) = open.pop() {
         if reference & LEAF == 0 {
             let node: &Node = &tree.nodes[reference as usize];
@@ -68,7 +69,7 @@ fn check(tree: &ParticleTree, field: &BlobField) {
         let leaf = &tree.blocks[(reference & !LEAF) as usize * per_leaf..][..per_leaf];
         let count = LeafHeader::from_block(&leaf[0]).count;
         assert!((1..=topology::LEAF_BLOBS).contains(&count));
-        for slot in leaf[per_leaf - 1].0.iter().take(count) {
+        for slot in leaf[layout::columns::<Ball>()].0.iter().take(count) {
             let i = slot.to_bits() as usize;
             seen[i] += 1;
             let support = field.support_box(i);
@@ -131,6 +132,11 @@ fn a_refit_tree_holds_moved_blobs() {
         }
         tree.refit(&field);
         check(&tree, &field);
+        assert!(!tree.is_worn());
+        field.centers.reverse();
+        tree.refit(&field);
+        check(&tree, &field);
+        assert!(tree.is_worn());
     }
 }
 

@@ -14,6 +14,7 @@ fn field(blobs: impl Iterator<Item = ([f32; 3], f32)>) -> BlobField {
         rows: (0..centers.len() as u32).collect(),
         centers,
         shapes: Shapes::Balls(radii),
+        motion: None,
         attributes: Vec::new(),
         spacing: 1.0,
         search: Search::default(),
@@ -44,6 +45,7 @@ fn finds_every_support_that_a_ray_pierces() {
             direction,
             start: -1.0,
             end: 4.0,
+            time_secs: 0.0,
         };
         let mut found = Vec::new();
         tree.for_each_on_ray(&segment, |blob| found.push(blob));
@@ -69,6 +71,7 @@ fn degenerate_sets_build() {
             direction: DVec3::X,
             start: 0.0,
             end: f64::INFINITY,
+            time_secs: 0.0,
         };
         tree.for_each_on_ray(&segment, |_| found += 1);
         assert_eq!(found, count);

@@ -25,21 +25,24 @@ impl NearHit {
     pub(super) fn collect<S: Simd, P: Primitive>(
         &mut self,
         simd: S,
-        tree: &ParticleTree,
+        (tree, since_middle_secs): (&ParticleTree, f32),
         pool: &Pool,
         place: (f32, f32),
         at: DVec3,
     ) {
         self.chunks.clear();
         let mut lane_to = LANES;
+        let per_leaf = leaf_blocks::<P>(tree.moves());
+        let secs = f64::from(since_middle_secs);
         pool.for_each_at(
             simd,
             place,
             #[inline(always)]
             |leaf, lane| {
-                let block = leaf as usize * leaf_blocks::<P>();
+                let block = leaf as usize * per_leaf;
                 let header = LeafHeader::from_block(&tree.blocks[block]);
-                let from = &tree.blocks[block + 1..][..columns::<P>()];
+                let leaf = &tree.blocks[block + 1..][..per_leaf - 1];
+                let (from, rates) = leaf.split_at(columns::<P>());
                 if lane_to == LANES {
                     lane_to = 0;
                     let longer = self.chunks.len() + columns::<P>();
@@ -49,7 +52,12 @@ impl NearHit {
                 let to = &mut self.chunks[first..];
                 let offset = Vec3::from_array(header.center).as_dvec3() - at;
                 for axis in 0..3 {
-                    to[axis].0[lane_to] = (f64::from(from[axis].0[lane]) + offset[axis]) as f32;
+                    let mut center = f64::from(from[axis].0[lane]) + offset[axis];
+                    if !rates.is_empty() {
+                        let velocity = f64::from(rates[axis].0[lane]);
+                        center += (velocity + f64::from(rates[3 + axis].0[lane]) * secs) * secs;
+                    }
+                    to[axis].0[lane_to] = center as f32;
                 }
                 for k in 3..columns::<P>() {
                     to[k].0[lane_to] = from[k].0[lane];

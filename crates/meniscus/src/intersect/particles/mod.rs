@@ -84,11 +84,12 @@ pub(super) fn closest_by<V: FirstCrossing>(
             let t = local.parameter(ray, along);
             let at = ray.at(t) - blobs.field.origin;
             let place = (from, (along - f64::from(from)) as f32);
+            let since_middle = tree.since_middle_secs(ray.time);
             let ParticlesScratch { pool, near_hit, .. } = &mut scratch.particles;
             let (outward, strongest) = specialised!(blobs, simd, K, P => simd.vectorize(
                 #[inline(always)]
                 || {
-                    near_hit.collect::<_, P>(simd, tree, pool, place, at);
+                    near_hit.collect::<_, P>(simd, (tree, since_middle), pool, place, at);
                     near_hit.outward_and_strongest::<_, K, P>(simd)
                 }
             ));
@@ -151,7 +152,9 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
         ..
     } = &mut scratch.particles;
     let counters = &mut scratch.counters;
-    let slabs = Slabs::new(simd, &ray.slab_ray());
+    let slabs = Slabs::new(simd, &ray.slab_ray(), tree, ray.time_secs);
+    let since_middle = tree.since_middle_secs(ray.time_secs);
+    let per_leaf = leaf_blocks::<P>(tree.moves());
     let direction = ray.direction.as_vec3().to_array();
     let longest = LONGEST_STRETCH * tree.typical_support;
     let shortest = SHORTEST_STRETCH * tree.typical_support;
@@ -188,13 +191,13 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
                 continue;
             };
             counters.leaves += 1;
-            let first = leaf as usize * leaf_blocks::<P>();
+            let first = leaf as usize * per_leaf;
             let header = LeafHeader::from_block(&tree.blocks[first]);
             counters.blob_evaluations += header.count as u64;
-            let chunk = &tree.blocks[first + 1..][..columns::<P>()];
+            let chunk = &tree.blocks[first + 1..][..per_leaf - 1];
             if header.fine_beta < f32::INFINITY {
                 *fine_leaves += 1;
-                if meets_fine(blobs, chunk, &header, ray) {
+                if meets_fine(blobs, &chunk[columns::<P>() - 1], &header, ray) {
                     return Some(Found::BeyondF32);
                 }
             }
@@ -203,6 +206,7 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
             let leaf_ray = LeafRay {
                 chunk,
                 leaf,
+                since_middle,
                 origin: origin.to_array(),
                 direction,
                 near,
@@ -255,8 +259,8 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
 
 /// Whether the ray meets a blob that is too small for f32 in the leaf's coordinates.
 #[cold]
-fn meets_fine(blobs: &Blobs, chunk: &[Block], header: &LeafHeader, ray: &LocalRay) -> bool {
-    let indices = &chunk[chunk.len() - 1].0[..header.count];
+fn meets_fine(blobs: &Blobs, indices: &Block, header: &LeafHeader, ray: &LocalRay) -> bool {
+    let indices = &indices.0[..header.count];
     indices.iter().any(|index| {
         let i = index.to_bits() as usize;
         meets_fine_blob(&blobs.field, i, header.fine_beta, ray)

@@ -2,6 +2,7 @@
 
 use super::ends::Ends;
 use crate::accel::cells::layout::{Block, LANES};
+use crate::accel::particles::layout::columns;
 use crate::intersect::solve::Active;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
@@ -31,6 +32,8 @@ pub(super) struct LeafRay<'a> {
     pub(super) chunk: &'a [Block],
     /// Its number.
     pub(super) leaf: u32,
+    /// The ray's time, in seconds after the middle of the shutter.
+    pub(super) since_middle: f32,
     /// Where the ray enters it, relative to its centre.
     pub(super) origin: [f32; 3],
     /// Unit direction.
@@ -104,7 +107,7 @@ impl Pool {
         let origin: [f32x16<S>; 3] = splat3(simd, ray.origin);
         let w = xyz(
             #[inline(always)]
-            |k| f32x16::from_slice(simd, &ray.chunk[k].0) - origin[k],
+            |k| center_at::<S, P>(simd, ray.chunk, k, ray.since_middle) - origin[k],
         );
         let mut shape = [zero; 6];
         for k in 0..P::COLUMNS {
@@ -215,6 +218,27 @@ impl Pool {
             }
         }
     }
+}
+
+/// Coordinate `axis` of the blobs of a chunk, relative to the leaf's centre.
+#[inline(always)]
+pub(super) fn center_at<S: Simd, P: Primitive>(
+    simd: S,
+    chunk: &[Block],
+    axis: usize,
+    since_middle_secs: f32,
+) -> f32x16<S> {
+    let center = f32x16::from_slice(simd, &chunk[axis].0);
+    let Some(rates) = chunk
+        .get(columns::<P>()..)
+        .filter(|rates| !rates.is_empty())
+    else {
+        return center;
+    };
+    let velocity = f32x16::from_slice(simd, &rates[axis].0);
+    let half_acceleration = f32x16::from_slice(simd, &rates[3 + axis].0);
+    let secs = f32x16::splat(simd, since_middle_secs);
+    center + (velocity + half_acceleration * secs) * secs
 }
 
 /// g this little below 0 may be rounding.

@@ -22,7 +22,7 @@ pub(in crate::intersect) fn meets_fine_blob(
     }
     let y = field
         .shapes
-        .transform(i, ray.origin - field.center(i).as_dvec3());
+        .transform(i, ray.origin - field.at(ray.time_secs).center(i));
     let nearest = (-y.dot(v) / beta).max(0.0);
     (y + v * nearest).length() < 1.0 + ROUNDING * steepness
 }

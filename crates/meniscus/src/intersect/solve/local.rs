@@ -22,6 +22,8 @@ pub(in crate::intersect) struct LocalRay {
     /// 1/|direction| of the caller's ray.
     pub(in crate::intersect) per_unit: f64,
     pub(in crate::intersect) inside: bool,
+    /// Seconds relative to the frame.
+    pub(in crate::intersect) time_secs: f64,
     /// Whether the field, not the caller, says that the ray starts on this side.
     pub(in crate::intersect) side_is_proven: bool,
 }
@@ -78,7 +80,7 @@ pub(in crate::intersect) fn local_ray(
         Side::Inside => true,
         Side::Outside => false,
         // The box holds all surface, so outside it the field lies below the threshold.
-        Side::Unknown => starts_at_t_min && blobs.field.side(start) == Side::Inside,
+        Side::Unknown => starts_at_t_min && blobs.field.at(ray.time).side(start) == Side::Inside,
     };
     Some(LocalRay {
         origin: origin + direction * enter,
@@ -87,6 +89,7 @@ pub(in crate::intersect) fn local_ray(
         length: (leave - enter) as f32,
         starts_at_t_min,
         per_unit,
+        time_secs: ray.time,
         inside,
         side_is_proven: ray.side == Side::Unknown || (!starts_at_t_min && !inside),
     })

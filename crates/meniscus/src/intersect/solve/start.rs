@@ -14,7 +14,8 @@ pub(in crate::intersect) fn start_margin(bounds: Option<Aabb>) -> f32 {
 
 /// Whether float64 sees the point `along` the stretch inside.
 pub(in crate::intersect) fn is_inside(blobs: &Blobs, ray: &LocalRay, along: f64) -> bool {
-    blobs.field.side(ray.origin + ray.direction * along) == Side::Inside
+    let field = blobs.field.at(ray.time_secs);
+    field.side(ray.origin + ray.direction * along) == Side::Inside
 }
 
 /// Up to this distance from a ray's own start, in spacings, a crossing has to be seen in float64: in

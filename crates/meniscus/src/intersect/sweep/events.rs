@@ -126,7 +126,7 @@ impl EventQueue {
     fn meet(&mut self, field: &BlobField, index: u32, segment: &Segment) {
         let i = index as usize;
         let shapes = &field.shapes;
-        let y = shapes.transform(i, field.center(i).as_dvec3() - segment.origin);
+        let y = shapes.transform(i, field.at(segment.time_secs).center(i) - segment.origin);
         let v = shapes.transform(i, segment.direction);
         let beta = v.length_squared();
         let center = y.dot(v) / beta;

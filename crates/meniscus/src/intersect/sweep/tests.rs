@@ -17,6 +17,7 @@ fn field(kernel: Kernel, threshold: f32, blobs: &[([f32; 3], f32, f32)]) -> Blob
         shapes: Shapes::Balls(blobs.iter().map(|b| b.1).collect()),
         weights: blobs.iter().map(|b| b.2).collect(),
         rows: (0..blobs.len() as u32).collect(),
+        motion: None,
         attributes: Vec::new(),
         spacing: 1.0,
         search: Search::default(),

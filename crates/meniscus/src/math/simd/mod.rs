@@ -12,6 +12,8 @@ pub enum SimdLevel {
     Auto,
     /// SSE2 on x86-64, plain scalar code elsewhere.
     Baseline,
+    /// SSE2 (x86-64): what SSE4.2 machines run too.
+    Sse2,
     /// AVX2 with FMA.
     Avx2,
     /// AVX-512 (Ice Lake set).
@@ -22,9 +24,10 @@ pub enum SimdLevel {
 
 impl SimdLevel {
     /// Every level with its command-line name.
-    pub const ALL: [(&'static str, Self); 5] = [
+    pub const ALL: [(&'static str, Self); 6] = [
         ("auto", Self::Auto),
         ("baseline", Self::Baseline),
+        ("sse2", Self::Sse2),
         ("avx2", Self::Avx2),
         ("avx512", Self::Avx512),
         ("neon", Self::Neon),
@@ -36,6 +39,8 @@ impl SimdLevel {
         match self {
             Self::Auto => Some(best),
             Self::Baseline => Some(Level::baseline()),
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2 => Some(Level::baseline()),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Avx2 => best.as_avx2().map(Level::Avx2),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -195,8 +195,10 @@ impl Atoms {
         unit_per_angstrom: f64,
         frames: usize,
     ) -> Result<Parsed, ParseError> {
+        let seen = self.seen as usize;
         let (particles, warnings) = self.finish(unit_per_angstrom)?;
         Ok(Parsed {
+            left_out: seen - particles.len(),
             particles,
             frames,
             warnings,

@@ -159,6 +159,7 @@ pub(super) fn read(bytes: &[u8], _frame: usize) -> Result<Parsed, ParseError> {
         particles: assemble(positions, columns)?,
         frames: 1,
         warnings,
+        left_out: 0,
     })
 }
 

@@ -89,10 +89,11 @@ const fn other(name: &'static str, help: &'static str) -> Foreign {
     }
 }
 
-const fn molecule(name: &'static str) -> Foreign {
-    planned(
+const fn trajectory(name: &'static str) -> Foreign {
+    other(
         name,
-        "convert it to PDB, GRO or XYZ, for instance with GROMACS, VMD or MDAnalysis",
+        "it does not say what its atoms are; render takes it after a molecule file: \
+         topology.pdb trajectory.xtc",
     )
 }
 
@@ -120,13 +121,13 @@ const MAGICS: &[(usize, &[u8], Foreign)] = &[
         b"scf1",
         planned("Blosc-compressed Houdini geometry (.bgeo.sc)", HOUDINI),
     ),
-    (0, b"\x54\0\0\0CORD", molecule("DCD")),
-    (0, b"\0\0\0\x54CORD", molecule("DCD")),
-    (0, b"\x54\0\0\0\0\0\0\0CORD", molecule("DCD")),
-    (0, b"\0\0\0\0\0\0\0\x54CORD", molecule("DCD")),
-    (0, b"\0\0\x07\xcb", molecule("XTC")),
-    (0, b"\0\0\x07\xe7", molecule("XTC")),
-    (0, b"\0\0\x07\xc9", molecule("TRR")),
+    (0, b"\x54\0\0\0CORD", trajectory("a DCD trajectory")),
+    (0, b"\0\0\0\x54CORD", trajectory("a DCD trajectory")),
+    (0, b"\x54\0\0\0\0\0\0\0CORD", trajectory("a DCD trajectory")),
+    (0, b"\0\0\0\0\0\0\0\x54CORD", trajectory("a DCD trajectory")),
+    (0, b"\0\0\x07\xcb", trajectory("an XTC trajectory")),
+    (0, b"\0\0\x07\xe7", trajectory("an XTC trajectory")),
+    (0, b"\0\0\x07\xc9", trajectory("a TRR trajectory")),
     (
         0,
         b"ITEM: ",

@@ -50,6 +50,8 @@ pub struct Parsed {
     pub particles: Particles,
     /// How many frames (time steps) the file holds.
     pub frames: usize,
+    /// Rows of the frame that are no particles: further locations of an atom, sites without one.
+    pub left_out: usize,
     /// What a user should know, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -63,6 +65,8 @@ pub struct ParticleFile {
     pub format: Format,
     /// How many frames (time steps) the file holds.
     pub frames: usize,
+    /// Rows of the frame that are no particles: further locations of an atom, sites without one.
+    pub left_out: usize,
     /// What a user should know, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -167,6 +171,7 @@ pub fn read(path: &Path, frame: usize) -> Result<ParticleFile, ReadError> {
             particles: parsed.particles,
             format,
             frames: parsed.frames,
+            left_out: parsed.left_out,
             warnings: parsed.warnings,
         }),
         Err(Failure {

@@ -158,5 +158,6 @@ fn choose(columns: Vec<Column>, mut ignored: Vec<String>) -> Result<Parsed, Pars
         particles: assemble(positions, columns)?,
         frames: 1,
         warnings,
+        left_out: 0,
     })
 }

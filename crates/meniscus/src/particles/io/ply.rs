@@ -29,6 +29,7 @@ pub(super) fn read(bytes: &[u8], _frame: usize) -> Result<Parsed, ParseError> {
         particles,
         frames: 1,
         warnings,
+        left_out: 0,
     })
 }
 

@@ -60,6 +60,7 @@ pub(super) fn read(bytes: &[u8], _frame: usize) -> Result<Parsed, ParseError> {
         particles: assemble(positions, Vec::new())?,
         frames: 1,
         warnings: Vec::new(),
+        left_out: 0,
     })
 }
 

@@ -123,6 +123,7 @@ impl Table {
             particles: assemble(positions, joined(columns))?,
             frames: 1,
             warnings,
+            left_out: 0,
         })
     }
 }

@@ -1,8 +1,10 @@
 //! Sequences of frames: file patterns such as `frame_{}.vtk`, explicit lists, selections of frame
 //! numbers, and the output path that belongs to an input.
 
+mod gaps;
 mod selection;
 
+pub use gaps::{gaps, usual_step};
 pub use selection::{FrameSelection, SelectionError};
 
 use std::cmp::Ordering;

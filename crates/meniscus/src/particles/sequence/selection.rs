@@ -92,6 +92,12 @@ impl FrameSelection {
         })
     }
 
+    /// The last number that is wanted.
+    pub fn last(&self) -> u64 {
+        let last = |span: &Span| span.last - (span.last - span.first) % span.step;
+        self.spans.iter().map(last).max().unwrap_or(0)
+    }
+
     /// The wanted ones of some frames, in their order.
     ///
     /// # Errors

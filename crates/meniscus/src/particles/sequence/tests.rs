@@ -152,6 +152,8 @@ fn selections_say_which_frames() {
         .collect();
     assert_eq!(chosen, [1, 5, 9, 20, 30, 31]);
     assert_eq!(selection.to_string(), "1-9x4,20,30-31");
+    assert_eq!(selection.last(), 31);
+    assert_eq!("1-10x4".parse::<FrameSelection>().unwrap().last(), 9);
     let whole: FrameSelection = "0-18446744073709551615".parse().unwrap();
     assert!(whole.contains(u64::MAX));
     for wrong in [

@@ -137,6 +137,7 @@ impl<'a> Shader<'a> {
         let (ray, first) = (&eye.rays[index], eye.hits[index]);
         scratch.rays.primary += 1;
         scratch.attributes.all.clear();
+        scratch.attributes.time_secs = ray.time;
         let gathered = match self.settings.integrator.kind {
             IntegratorKind::Shaded => self.shaded(eye, index, scratch),
             IntegratorKind::Whitted => self.whitted(ray, first, scratch),

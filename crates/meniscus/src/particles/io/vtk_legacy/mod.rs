@@ -70,6 +70,7 @@ pub(super) fn read(bytes: &[u8], _frame: usize) -> Result<Parsed, ParseError> {
         particles: assemble(positions, file.columns)?,
         frames: 1,
         warnings: file.warnings,
+        left_out: 0,
     })
 }
 

@@ -78,6 +78,7 @@ pub(super) fn read(bytes: &[u8], frame: usize) -> Result<Parsed, ParseError> {
         particles: assemble(positions, columns)?,
         frames,
         warnings,
+        left_out: 0,
     })
 }
 

@@ -26,6 +26,7 @@ fn ball(radius: f64) -> BlobField {
         shapes: Shapes::Balls(vec![support as f32]),
         weights: vec![1.0],
         rows: vec![0],
+        motion: None,
         attributes: vec![FieldAttribute {
             name: "dye".to_owned(),
             components: 1,

@@ -1,0 +1,107 @@
+//! What must not move from frame to frame.
+
+use super::picture;
+use crate::exit::Outcome;
+use crate::job::engine::EngineChoice;
+use crate::job::input::FrameInput;
+use crate::job::load;
+use crate::progress::Reporter;
+use meniscus::field::SupportSource;
+use meniscus::math::DVec3;
+use meniscus::scene::camera::Camera;
+use meniscus::scene::{Scene, Surface};
+
+/// A default camera, the ground and radii that are estimated, which the first frame of a sequence
+/// decides.
+#[derive(Default)]
+pub(super) struct Fixed {
+    first: Option<FrameInput>,
+    /// What the first frame says, once it is known.
+    found: Option<Found>,
+}
+
+struct Found {
+    eye: DVec3,
+    target: DVec3,
+    ground_height: f64,
+    /// For each surface its radius, where that had to be estimated.
+    radii: Vec<Option<f64>>,
+}
+
+impl Fixed {
+    /// Lets `first` decide, unless another frame does already.
+    pub(super) fn decided_by(&mut self, first: &FrameInput) {
+        self.first.get_or_insert_with(|| first.clone());
+    }
+
+    /// The scene of a frame with what the first one decides.
+    pub(super) fn scene(
+        &mut self,
+        input: &FrameInput,
+        engine: &EngineChoice,
+        reporter: &Reporter,
+    ) -> Outcome<Scene> {
+        let mut scene = (*input.scene).clone();
+        let camera = &scene.camera;
+        let camera_is_open = camera.eye.is_none() || camera.target.is_none();
+        let ground_is_open = scene.ground.as_ref().is_some_and(|g| g.height.is_none());
+        let has_size =
+            |s: &Surface| s.radius.is_some() || s.support.is_some() || s.metric.is_some();
+        if !camera_is_open && !ground_is_open && scene.surfaces.iter().all(has_size) {
+            return Ok(scene);
+        }
+        let found = match &self.found {
+            Some(found) => found,
+            None => {
+                let first = self.first.as_ref().unwrap_or(input);
+                let found = ask(first, engine, reporter)?;
+                self.found.insert(found)
+            }
+        };
+        scene.camera.eye.get_or_insert(found.eye);
+        scene.camera.target.get_or_insert(found.target);
+        if let Some(ground) = &mut scene.ground {
+            ground.height.get_or_insert(found.ground_height);
+        }
+        for (surface, radius) in scene.surfaces.iter_mut().zip(&found.radii) {
+            if !has_size(surface) {
+                surface.radius = *radius;
+            }
+        }
+        Ok(scene)
+    }
+}
+
+/// What the first frame says.
+fn ask(first: &FrameInput, engine: &EngineChoice, reporter: &Reporter) -> Outcome<Found> {
+    let scene = &first.scene;
+    // Its warnings come when it is rendered.
+    let loaded = load::load(first, scene, &[], engine, &Reporter::silent())?;
+    let bounds = loaded.frame.framing_bounds();
+    let camera = picture::camera(scene, &loaded.frame)?;
+    let Camera { eye, forward, .. } = camera;
+    let up = scene.camera.up.vector();
+    let half = bounds.size() * 0.5;
+    let lowest = bounds.center().dot(up) - half.dot(up.abs());
+    let target = scene
+        .camera
+        .target
+        .unwrap_or(eye + forward * (bounds.center() - eye).length());
+    let radii = loaded.reports.iter().zip(&first.files);
+    let radii = radii.map(|(report, path)| {
+        let is_estimate = report.support_source == SupportSource::Estimate;
+        let radius = is_estimate.then_some(report.spacing? * 0.5)?;
+        reporter.warn(&format!(
+            "{}: the particles have no radius: took half their median nearest-neighbour \
+                 distance, {radius:.6}, for all frames; --radius sets another",
+            path.display()
+        ));
+        Some(radius)
+    });
+    Ok(Found {
+        eye,
+        target,
+        ground_height: if lowest.is_finite() { lowest } else { 0.0 },
+        radii: radii.collect(),
+    })
+}

@@ -1,0 +1,124 @@
+//! Blobs that move while the shutter is open: p(t) = p + v·t + ½a·t² (Ray Tracing Gems II, §35.2), and
+//! the field at one time.
+
+use super::BlobField;
+use crate::math::aabb::{Aabb, DAabb};
+use glam::{DVec3, Vec3};
+
+/// How the blobs of a field move; one entry per blob.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Velocities at the frame's time, in lengths per second.
+    pub velocities: Vec<[f32; 3]>,
+    /// Halves of the accelerations, in lengths per second squared.
+    pub half_accelerations: Vec<[f32; 3]>,
+    /// When the shutter opens and closes, in seconds relative to the frame. What comes before or after
+    /// is traced as at the nearer end.
+    pub shutter: [f64; 2],
+}
+
+impl Motion {
+    /// How far blob `i` has moved from its place at the frame's time.
+    fn offset(&self, i: usize, time_secs: f64) -> DVec3 {
+        let [velocity, half] = self.rates(i);
+        (velocity + half * time_secs) * time_secs
+    }
+
+    /// Velocity and half acceleration of blob `i`.
+    pub fn rates(&self, i: usize) -> [DVec3; 2] {
+        [self.velocities[i], self.half_accelerations[i]].map(|rate| Vec3::from(rate).as_dvec3())
+    }
+
+    /// The time within the shutter that is nearest to `time_secs`.
+    pub fn clamped(&self, time_secs: f64) -> f64 {
+        time_secs.clamp(self.shutter[0], self.shutter[1])
+    }
+
+    /// The middle of the shutter.
+    pub fn middle_secs(&self) -> f64 {
+        0.5 * (self.shutter[0] + self.shutter[1])
+    }
+}
+
+/// A field at one time.
+#[derive(Debug, Clone, Copy)]
+pub struct FieldAt<'a> {
+    pub(super) field: &'a BlobField,
+    pub(super) time_secs: f64,
+}
+
+impl BlobField {
+    /// The field at a time, in seconds relative to the frame.
+    pub fn at(&self, time_secs: f64) -> FieldAt<'_> {
+        let time_secs = match &self.motion {
+            None => 0.0,
+            Some(motion) => motion.clamped(time_secs),
+        };
+        FieldAt {
+            field: self,
+            time_secs,
+        }
+    }
+
+    /// Local box around the support of blob `i` at any time while the shutter is open.
+    pub fn support_box(&self, i: usize) -> Aabb {
+        let center = self.center(i);
+        let half = Vec3::from_array(self.shapes.half_extents(i));
+        match &self.motion {
+            None => Aabb {
+                min: center - half,
+                max: center + half,
+            },
+            Some(motion) => {
+                let path = motion.path_box(i, center.as_dvec3());
+                let mut bounds = Aabb {
+                    min: path.min.as_vec3() - half,
+                    max: path.max.as_vec3() + half,
+                };
+                for axis in 0..3 {
+                    bounds.min[axis] = bounds.min[axis].next_down();
+                    bounds.max[axis] = bounds.max[axis].next_up();
+                }
+                bounds
+            }
+        }
+    }
+}
+
+impl Motion {
+    /// The box around the way of blob `i`, whose centre at the frame's time is `center`.
+    fn path_box(&self, i: usize, center: DVec3) -> DAabb {
+        let [velocity, half] = self.rates(i);
+        let mut bounds = DAabb::EMPTY;
+        for time_secs in self.shutter {
+            bounds = bounds.including(center + self.offset(i, time_secs));
+        }
+        for axis in 0..3 {
+            // Where it turns round.
+            let turn = -velocity[axis] / (2.0 * half[axis]);
+            if self.shutter[0] < turn && turn < self.shutter[1] {
+                let place = center[axis] + self.offset(i, turn)[axis];
+                bounds.min[axis] = bounds.min[axis].min(place);
+                bounds.max[axis] = bounds.max[axis].max(place);
+            }
+        }
+        bounds
+    }
+}
+
+impl<'a> FieldAt<'a> {
+    /// The field at any time.
+    pub fn field(&self) -> &'a BlobField {
+        self.field
+    }
+
+    /// Local centre of blob `i`, in float64 on the packed numbers.
+    #[inline]
+    pub fn center(&self, i: usize) -> DVec3 {
+        let center = self.field.center(i).as_dvec3();
+        match &self.field.motion {
+            None => center,
+            Some(motion) => center + motion.offset(i, self.time_secs),
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Moving blobs, judged by the oracle at the time of each ray.
+
+use glam::DVec3;
+use meniscus::accel::Engine;
+use meniscus::field::{BlobField, Motion, Search};
+use meniscus::frame::Blobs;
+use meniscus::intersect::Scratch;
+use meniscus::kernel::Kernel;
+use meniscus::math::ray::Ray;
+use meniscus::scene::EngineSettings;
+use meniscus_testing::corpus::{self, Scene};
+use meniscus_testing::examine::Question;
+use meniscus_testing::oracle::Oracle;
+use meniscus_testing::random::Stream;
+use meniscus_testing::rays;
+use meniscus_testing::suite::{Stage, complaints, levels};
+
+const ENGINES: [Engine; 4] = [
+    Engine::Cells,
+    Engine::Particles,
+    Engine::Interval,
+    Engine::Sweep,
+];
+
+/// Open from before the frame's time until after it, not alike.
+const SHUTTER_SECS: [f64; 2] = [-0.3, 0.7];
+
+/// `scene` with every blob moving about `distance` spacings while the shutter is open, in a swirl with
+/// noise, accelerated by as much again.
+fn moving(scene: &Scene, distance: f64) -> Scene {
+    let field = &scene.field;
+    let speed = distance * f64::from(field.spacing);
+    let size = f64::from(field.bounds().size().max_element());
+    let rate = |i: usize, salt: u64, turn: f64| {
+        let mut random = Stream::new(41 + salt, i as u64);
+        let noise = DVec3::from_array([(); 3].map(|()| random.unit() - 0.5));
+        let place = field.center(i).as_dvec3() / size;
+        let swirl = DVec3::new(-place.y, place.x, 0.3) * turn;
+        ((swirl + noise) * speed).as_vec3().to_array()
+    };
+    let motion = Motion {
+        velocities: (0..field.len()).map(|i| rate(i, 0, 2.0)).collect(),
+        half_accelerations: (0..field.len()).map(|i| rate(i, 1, -2.0)).collect(),
+        shutter: SHUTTER_SECS,
+    };
+    Scene {
+        name: format!("{} moving {distance}", scene.name),
+        field: BlobField {
+            motion: Some(motion),
+            search: Search::default(),
+            ..field.clone()
+        },
+    }
+}
+
+fn at_time(rays: Vec<Ray>, time: f64) -> Vec<Ray> {
+    rays.into_iter().map(|ray| Ray { time, ..ray }).collect()
+}
+
+/// Times at both ends of the shutter, at the frame's own and between.
+fn times() -> Vec<f64> {
+    let mut random = Stream::new(77, 0);
+    let [open, close] = SHUTTER_SECS;
+    let mut times = vec![open, 0.0, close];
+    times.extend([(); 3].map(|()| open + (close - open) * random.unit()));
+    times
+}
+
+#[test]
+fn moving_blobs_are_where_they_are_at_the_ray_s_time() {
+    let mut problems = Vec::new();
+    let mut traced = 0;
+    for (n, kind) in corpus::KINDS.iter().enumerate() {
+        for distance in [0.3, 3.0, 10.0] {
+            let kernel = Kernel::ALL[(n + distance as usize) % Kernel::ALL.len()];
+            let scene = moving(&corpus::scene(kind, kernel, 300), distance);
+            let structures: Vec<(String, Blobs)> = ENGINES
+                .iter()
+                .flat_map(|&engine| {
+                    let field = &scene.field;
+                    levels().into_iter().map(move |level| {
+                        let name = format!("{engine:?} {level:?}");
+                        (name, Blobs::build(field.clone(), engine, level))
+                    })
+                })
+                .collect();
+            for time in times() {
+                let oracle = Oracle::at(&scene.field, time);
+                let stage = Stage::new(&scene, &oracle, 60);
+                let mut all = rays::hemisphere(&stage.points, 3);
+                all.extend(rays::grazing(&oracle, &stage.points, 4));
+                all.extend(rays::inside(&oracle, &stage.points, 5));
+                all.extend(rays::primary(&oracle, 14, DVec3::new(0.3, 0.5, 1.0)));
+                let all = at_time(all, time);
+                for (name, blobs) in &structures {
+                    for question in [Question::Closest, Question::Any] {
+                        traced += all.len();
+                        let complaint = complaints(blobs, &stage, &all, question);
+                        problems.extend(complaint.map(|text| format!("{name} at {time}: {text}")));
+                    }
+                }
+            }
+        }
+    }
+    assert!(traced > 100_000, "only {traced} rays");
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
+}
+
+#[test]
+fn blobs_at_rest_under_an_open_shutter_stay_where_they_are() {
+    let still = corpus::scene("pool", Kernel::Sextic, 500);
+    let resting = moving(&still, 0.0);
+    let oracle = Oracle::new(&still.field);
+    let rays = at_time(rays::primary(&oracle, 40, DVec3::new(0.3, 0.5, 1.0)), 0.4);
+    for engine in [Engine::Particles, Engine::Interval, Engine::Sweep] {
+        let level = levels()[0];
+        let trace = |field: &BlobField| {
+            let blobs = Blobs::build_with(field.clone(), engine, EngineSettings::default(), level);
+            let mut scratch = Scratch::default();
+            let hit = |ray: &Ray| blobs.closest(ray, &mut scratch).map(|hit| hit.t);
+            rays.iter().map(hit).collect::<Vec<_>>()
+        };
+        let (moving, resting) = (trace(&still.field), trace(&resting.field));
+        let spacing = f64::from(still.field.spacing);
+        for (a, b) in moving.iter().zip(&resting) {
+            match (a, b) {
+                (Some(a), Some(b)) => assert!((a - b).abs() < 1e-4 * spacing, "{engine:?}"),
+                _ => assert_eq!(a, b, "{engine:?}"),
+            }
+        }
+    }
+}
