@@ -2,5 +2,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use meniscus::mesh::MeshFormat;
 
-fuzz_target!(|bytes: &[u8]| meniscus_fuzz::read_mesh(bytes));
+fuzz_target!(|bytes: &[u8]| meniscus_fuzz::read_mesh(MeshFormat::Obj, bytes));

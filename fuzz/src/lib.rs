@@ -1,7 +1,7 @@
 //! What every reader must hold, whatever the bytes.
 
 use meniscus::frame::MeshSurface;
-use meniscus::mesh;
+use meniscus::mesh::{self, MeshFormat};
 use meniscus::particles::io::{Format, Parsed, parse};
 use std::io::Write;
 use std::path::Path;
@@ -47,8 +47,11 @@ pub fn as_file(bytes: &[u8], read: impl FnOnce(&Path)) {
     read(file.path());
 }
 
-/// Reads a mesh file whose content may be of any format, and makes a surface of it.
-pub fn read_mesh(bytes: &[u8]) {
+/// Reads a mesh file and makes a surface of it, if its content is of that format.
+pub fn read_mesh(format: MeshFormat, bytes: &[u8]) {
+    if MeshFormat::detect(bytes) != Some(format) {
+        return;
+    }
     as_file(bytes, |path| match mesh::io::read(path) {
         Ok(file) => {
             let (surface, _) = MeshSurface::build(&file.mesh);

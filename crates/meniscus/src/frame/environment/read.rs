@@ -15,6 +15,10 @@ pub const MAX_TEXELS: u64 = 1 << 27;
 /// channels.
 const TEXELS_PER_BYTE: u64 = 127 / 8 + 1;
 
+/// Bytes of pixels per byte that an EXR file can have at most: deflate reaches 1032, no other of its
+/// compressions comes near twice that.
+const PIXEL_BYTES_PER_BYTE: u64 = 2048;
+
 /// An environment image that cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("environment {}: {message}", path.display())]
@@ -49,7 +53,7 @@ fn texels(path: &Path) -> Result<(usize, Vec<[f32; 3]>), String> {
         .map_err(|error| format!("cannot be read: {error}"))?;
     let length = file.metadata().map_or(u64::MAX, |data| data.len());
     match &magic {
-        [0x76, 0x2f, 0x31, 0x01] => read_exr(path),
+        [0x76, 0x2f, 0x31, 0x01] => read_exr(path, length),
         b"#?RA" | b"#?RG" => read_hdr(file, length),
         _ => Err("is neither a Radiance (.hdr) nor an OpenEXR (.exr) image".to_owned()),
     }
@@ -87,7 +91,7 @@ fn read_hdr(file: File, length: u64) -> Result<(usize, Vec<[f32; 3]>), String> {
     Ok((width as usize, texels))
 }
 
-fn read_exr(path: &Path) -> Result<(usize, Vec<[f32; 3]>), String> {
+fn read_exr(path: &Path, length: u64) -> Result<(usize, Vec<[f32; 3]>), String> {
     let wrong = |error: exr::error::Error| format!("is damaged or holds no colours: {error}");
     let meta = exr::meta::MetaData::read_from_file(path, false).map_err(wrong)?;
     for header in &meta.headers {
@@ -95,6 +99,17 @@ fn read_exr(path: &Path) -> Result<(usize, Vec<[f32; 3]>), String> {
             header.layer_size.width() as u64,
             header.layer_size.height() as u64,
         )?;
+        if header.deep {
+            continue;
+        }
+        let bytes = header.total_pixel_bytes() as u64;
+        if bytes > length.saturating_mul(PIXEL_BYTES_PER_BYTE) {
+            return Err(format!(
+                "is damaged: {length} bytes cannot hold {} x {} pixels",
+                header.layer_size.width(),
+                header.layer_size.height()
+            ));
+        }
     }
     let image = exr::prelude::read()
         .no_deep_data()
@@ -176,6 +191,17 @@ mod tests {
             let error = Environment::read(&path, AXES, 0.0).unwrap_err().to_string();
             assert!(error.contains(what) && error.contains(name), "{error}");
         }
+        // A small image whose header is then made to promise 16384 x 8192 pixels.
+        let promised = folder.path().join("promised.exr");
+        exr::prelude::write_rgb_file(&promised, 8, 4, |_, _| (1.0_f32, 1.0_f32, 1.0_f32)).unwrap();
+        let mut bytes = std::fs::read(&promised).unwrap();
+        let key = b"dataWindow\0box2i\0\x10\0\0\0";
+        let at = bytes.windows(key.len()).position(|w| w == key).unwrap() + key.len() + 8;
+        bytes[at..at + 4].copy_from_slice(&16_383_u32.to_le_bytes());
+        bytes[at + 4..at + 8].copy_from_slice(&8191_u32.to_le_bytes());
+        std::fs::write(&promised, bytes).unwrap();
+        let error = Environment::read(&promised, AXES, 0.0).unwrap_err();
+        assert!(error.to_string().contains("cannot hold"), "{error}");
         let gone = Environment::read(Path::new("gone.hdr"), AXES, 0.0);
         assert!(gone.unwrap_err().to_string().contains("cannot be read"));
     }

@@ -26,6 +26,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<Parts, Problem> {
+    check_container(bytes)?;
     let wrong = |error: gltf::Error| Problem::new(error.to_string());
     // The crate's own validation looks up accessors before it has checked that they are there.
     check_accessors(&Gltf::from_slice_without_validation(bytes).map_err(wrong)?)?;
@@ -76,6 +77,27 @@ pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<Parts, Problem> {
         parts.warnings.push(problem);
     }
     Ok(parts)
+}
+
+/// Whether a binary file is as long as its header says; the crate takes the header's own length off
+/// unseen.
+fn check_container(bytes: &[u8]) -> Result<(), Problem> {
+    const HEADER: u32 = 12;
+    let Some(header) = bytes.strip_prefix(b"glTF") else {
+        return Ok(());
+    };
+    let length = match header {
+        [_, _, _, _, a, b, c, d, ..] => u32::from_le_bytes([*a, *b, *c, *d]),
+        _ => 0,
+    };
+    if length < HEADER || length as usize > bytes.len() {
+        let problem = format!(
+            "its header promises {length} bytes, there are {}",
+            bytes.len()
+        );
+        return Err(Problem::new(problem).with_help("the file is cut short or damaged"));
+    }
+    Ok(())
 }
 
 /// Whether every accessor that a mesh names exists.

@@ -122,6 +122,11 @@ fn what_is_wrong_is_said() {
             .as_bytes(),
         &["accessor 0", "beyond its data"],
     );
+    fails(
+        b"glTF\x02\0\0\0\x0b\0\0\0{}",
+        &["promises 11 bytes, there are 14"],
+    );
+    fails(b"glTF", &["promises 0 bytes, there are 4"]);
     assert_eq!(MeshFormat::detect(b"hello"), None);
     assert_eq!(MeshFormat::detect(b""), None);
 }
