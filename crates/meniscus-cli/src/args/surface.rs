@@ -23,6 +23,10 @@ pub(crate) struct SurfaceArgs {
     /// [default: a column named metric, if there is one]
     #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
     pub metric: Option<String>,
+    /// Shapes of supports that no column gives: none, or estimate them from the neighbours, which makes
+    /// thin sheets whole and flat [default: none]
+    #[arg(long, value_name = "HOW")]
+    pub anisotropy: Option<String>,
     /// R over the radius with volume weights [default: 4]
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     pub smoothing: Option<f64>,

@@ -8,7 +8,7 @@ use crate::report::{Excerpt, Message};
 use meniscus::kernel::Kernel;
 use meniscus::math::DVec3;
 use meniscus::scene::file::{SceneError, SceneErrorKind};
-use meniscus::scene::{ClipError, Light, LightKind, Scene, Surface, Weights};
+use meniscus::scene::{Anisotropy, ClipError, Light, LightKind, Scene, Surface, Weights};
 
 /// Sets single keys of a scene.
 pub(crate) fn apply_settings(settings: &[Setting], scene: &mut Scene) -> Outcome {
@@ -22,8 +22,10 @@ pub(crate) fn apply_settings(settings: &[Setting], scene: &mut Scene) -> Outcome
 /// Applies the surface options to every surface.
 pub(crate) fn apply_surface(args: &SurfaceArgs, scene: &mut Scene) -> Outcome {
     let kernel = args.kernel.as_deref().map(kernel).transpose()?;
+    let anisotropy = args.anisotropy.as_deref().map(anisotropy).transpose()?;
     for surface in &mut scene.surfaces {
         apply_to_surface(args, kernel, surface);
+        surface.anisotropy = anisotropy.or(surface.anisotropy);
     }
     Ok(())
 }
@@ -54,6 +56,16 @@ fn apply_to_surface(args: &SurfaceArgs, kernel: Option<Kernel>, surface: &mut Su
             surface.attributes.push(name.clone());
         }
     }
+}
+
+fn anisotropy(name: &str) -> Outcome<Anisotropy> {
+    let found = Anisotropy::ALL.iter().find(|(known, _)| *known == name);
+    found.map(|(_, anisotropy)| *anisotropy).ok_or_else(|| {
+        Failure::wrong(format!("there is no --anisotropy `{name}`")).with_help(format!(
+            "there are: {}",
+            Anisotropy::ALL.map(|(known, _)| known).join(", ")
+        ))
+    })
 }
 
 fn kernel(name: &str) -> Outcome<Kernel> {

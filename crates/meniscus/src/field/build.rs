@@ -1,5 +1,6 @@
 //! From particles and settings to a packed field.
 
+use super::anisotropy::{Estimate, estimate};
 use super::metric::{self, MetricOrder};
 use super::supports::{Rule, Supports, positive, retain};
 use super::weights::volume_weights;
@@ -8,7 +9,7 @@ use crate::particles::Particles;
 use crate::particles::elements::van_der_waals_radius;
 use crate::particles::filter::Filter;
 use crate::particles::spacing::{median_spacing_in, point_tree, typical_spacing_in};
-use crate::scene::surface::{BlobSettings, Weights};
+use crate::scene::surface::{Anisotropy, BlobSettings, Weights};
 use glam::DVec3;
 use std::borrow::Cow;
 
@@ -58,6 +59,8 @@ pub(super) struct Build<'a> {
     pub(super) filtered: usize,
     pub(super) dropped: Vec<Dropped>,
     pub(super) weights: Option<Vec<f64>>,
+    /// Where they count as standing instead, once that is known.
+    pub(super) moved: Option<Vec<DVec3>>,
 }
 
 impl BlobField {
@@ -103,7 +106,7 @@ impl BlobField {
         build.drop_absent()?;
         build.column_weights(&settings.weights)?;
         let own = build.own_supports(&rule, scale)?;
-        let positions = build.positions();
+        let mut positions = build.positions();
         let points = point_tree(&positions);
         let spacing = match rule {
             Rule::Estimate => median_spacing_in(&points, &positions),
@@ -117,6 +120,14 @@ impl BlobField {
                 None,
             ),
         };
+        if settings.anisotropy == Anisotropy::Estimate
+            && let Supports::Balls(radii) = &supports
+        {
+            let Estimate { centers, factors } = estimate(&positions, radii, &points);
+            build.moved = Some(centers.clone());
+            positions = Cow::Owned(centers);
+            supports = Supports::Ellipsoids(factors);
+        }
         if settings.weights == Weights::Volume {
             let scales = build.support_scales();
             let weights = volume_weights(
@@ -161,6 +172,7 @@ impl<'a> Build<'a> {
             kept,
             dropped: Vec::new(),
             weights: None,
+            moved: None,
         })
     }
 
@@ -171,6 +183,14 @@ impl<'a> Build<'a> {
             return Cow::Borrowed(positions);
         }
         Cow::Owned(self.kept.iter().map(|&i| positions[i as usize]).collect())
+    }
+
+    /// Where the particles that are left count as standing.
+    pub(super) fn places(&self) -> Cow<'_, [DVec3]> {
+        match &self.moved {
+            Some(moved) => Cow::Borrowed(moved),
+            None => self.positions(),
+        }
     }
 
     /// Removes the particles for which `keep` is false; an error when none is left.
@@ -184,6 +204,9 @@ impl<'a> Build<'a> {
             retain(&mut self.kept, keep);
             if let Some(weights) = &mut self.weights {
                 retain(weights, keep);
+            }
+            if let Some(moved) = &mut self.moved {
+                retain(moved, keep);
             }
         }
         if !self.kept.is_empty() {

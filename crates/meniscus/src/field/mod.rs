@@ -3,6 +3,7 @@
 //! "Local" coordinates are the object's own minus [`BlobField::origin`]: small numbers that f32 can
 //! carry even for a cloud a million units away.
 
+mod anisotropy;
 mod build;
 mod colors;
 mod error;

@@ -27,7 +27,7 @@ impl Build<'_> {
         support_source: SupportSource,
         spacing: Option<f64>,
     ) -> Result<FieldBuild, FieldError> {
-        let positions = self.positions();
+        let positions = self.places();
         let origin = local_origin(&positions);
         let centers: Vec<[f32; 3]> = positions
             .par_iter()

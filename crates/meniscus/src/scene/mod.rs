@@ -36,7 +36,7 @@ pub use materials::{Material, MaterialKind};
 pub use motion::MotionSettings;
 pub use placement::{Clip, ClipError, Ground, Instance, Matrix, Mesh, Plane, Sphere};
 pub use preset::Preset;
-pub use surface::{BlobSettings, Surface, SurfaceKind, Weights};
+pub use surface::{Anisotropy, BlobSettings, Surface, SurfaceKind, Weights};
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -52,6 +52,22 @@ impl<'de> Deserialize<'de> for Weights {
     }
 }
 
+/// Where the shapes of supports come from that no column gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Anisotropy {
+    /// Nowhere: they are balls.
+    #[default]
+    None,
+    /// The arrangement of the neighbours, which also smooths the centres (Yu & Turk 2013).
+    Estimate,
+}
+
+impl Anisotropy {
+    /// Every kind with its name in files and flags.
+    pub const ALL: [(&'static str, Self); 2] = [("none", Self::None), ("estimate", Self::Estimate)];
+}
+
 /// The numbers that define the isosurface F(x) = Σ wᵢ k(qᵢ(x)) = T of a particle set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -65,6 +81,8 @@ pub struct BlobSettings {
     /// VTK's xx yy zz xy yz xz) or nine. It makes ellipsoids and takes the place of all radii; without
     /// this setting a column of a usual name (`metric`, …) does.
     pub metric: Option<String>,
+    /// Whether supports are stretched along their neighbours.
+    pub anisotropy: Anisotropy,
     /// R over the radius with volume weights (4: SPH's usual support).
     pub smoothing: f64,
     /// Kernel.
@@ -85,6 +103,7 @@ impl Default for BlobSettings {
             radius: None,
             support: None,
             metric: None,
+            anisotropy: Anisotropy::None,
             smoothing: 4.0,
             kernel: Kernel::Sextic,
             threshold: 0.6,
@@ -167,6 +186,9 @@ pub struct Surface {
     /// See [`BlobSettings::metric`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub metric: Option<String>,
+    /// See [`BlobSettings::anisotropy`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anisotropy: Option<Anisotropy>,
     /// See [`BlobSettings::smoothing`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing: Option<f64>,
@@ -239,6 +261,7 @@ impl Surface {
             radius: self.radius.or(base.radius),
             support: self.support.or(base.support),
             metric: self.metric.clone().or(base.metric),
+            anisotropy: self.anisotropy.unwrap_or(base.anisotropy),
             smoothing: self.smoothing.unwrap_or(base.smoothing),
             kernel: self.kernel.unwrap_or(base.kernel),
             threshold: self.threshold.unwrap_or(base.threshold),
