@@ -114,7 +114,7 @@ impl PictureOptions {
                 .map(|range| range.first..range.last.saturating_add(1)),
             time_limit: args.time_limit.map(time_limit).transpose()?,
             fps: args.fps.map(checked_fps).transpose()?,
-            slow_motion: args.slow_motion,
+            slow_motion: args.slow_motion.map(checked_slow_motion).transpose()?,
             watch_timeout: watch_timeout(args)?,
             denoise: args.denoise,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
@@ -131,6 +131,18 @@ fn checked_fps(fps: f64) -> Outcome<f64> {
     }
     Err(Failure::wrong(format!(
         "--fps must be a number above 0 and up to {MAX_FPS}, not {fps}"
+    )))
+}
+
+/// Most pictures for each frame of the input.
+const MAX_SLOW_MOTION: f64 = 10_000.0;
+
+fn checked_slow_motion(factor: f64) -> Outcome<f64> {
+    if (1.0..=MAX_SLOW_MOTION).contains(&factor) {
+        return Ok(factor);
+    }
+    Err(Failure::wrong(format!(
+        "--slow-motion must be a number from 1 to {MAX_SLOW_MOTION}, not {factor}"
     )))
 }
 

@@ -97,11 +97,6 @@ const SAME_MOMENT: f64 = 1e-9;
 /// The pictures of a slow motion: `factor` of them for each frame of the input, numbered from 0. Where
 /// frames are missing the way over the gap takes as long as it would with them.
 pub(crate) fn moments(inputs: Inputs, target: &Target, factor: f64) -> Outcome<Vec<Job>> {
-    if !(factor >= 1.0 && factor.is_finite()) {
-        return Err(Failure::wrong(format!(
-            "--slow-motion must be a number of 1 or more, not {factor}"
-        )));
-    }
     let (is_sequence, all_step) = (inputs.is_sequence, inputs.step as f64);
     let frames = match &inputs.frames[..] {
         [only] if !is_sequence => steps_of(only)?,

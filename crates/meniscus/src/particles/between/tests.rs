@@ -1,4 +1,5 @@
 use super::*;
+use std::collections::HashMap;
 
 const GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 

@@ -5,18 +5,19 @@
 //! differences between frames. One that only the later frame has moves as it does there and grows,
 //! one that only the earlier frame has shrinks: [`Role::SupportScale`] says how far.
 
+mod keys;
+mod motion;
+
 use super::{Column, ColumnData, Particles, Role};
 use glam::DVec3;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use keys::Keys;
+use motion::{Around, Motion, disagreement, usable, vectors};
 use std::sync::Arc;
 
 /// The column that says how much of its support a particle has.
 const SUPPORT_SCALE: &str = "support_scale";
 /// What has less of its support is left out: f32 and eyes see nothing of it.
 const LEAST_SCALE: f64 = 1.0 / 64.0;
-/// Velocities that disagree with displacements by more than this in the median are not used.
-const MOST_DISAGREEMENT: f64 = 2.0;
 
 /// What makes a particle of one frame the same as one of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,53 +76,6 @@ pub enum BetweenError {
         /// Row of the second.
         second: u32,
     },
-}
-
-/// How a particle moves over the interval, in intervals instead of time.
-#[derive(Debug, Clone, Copy)]
-enum Motion {
-    /// From `start` to `end`, leaving and arriving with these displacements per interval.
-    Through {
-        start: DVec3,
-        end: DVec3,
-        leaving: DVec3,
-        arriving: DVec3,
-    },
-    /// At `position` when `at`, from there on or up to there with this velocity and acceleration.
-    Alone {
-        at: f64,
-        position: DVec3,
-        velocity: DVec3,
-        acceleration: DVec3,
-    },
-}
-
-impl Motion {
-    fn position(&self, fraction: f64) -> DVec3 {
-        match *self {
-            Self::Through {
-                start,
-                end,
-                leaving,
-                arriving,
-            } => {
-                let (u, rest) = (fraction, 1.0 - fraction);
-                // Relative to the start, so that coordinates far from 0 lose nothing.
-                let step = u * u * (3.0 - 2.0 * u);
-                start + (end - start) * step + leaving * (u * rest * rest)
-                    - arriving * (u * u * rest)
-            }
-            Self::Alone {
-                at,
-                position,
-                velocity,
-                acceleration,
-            } => {
-                let away = fraction - at;
-                position + (velocity + acceleration * (0.5 * away)) * away
-            }
-        }
-    }
 }
 
 /// A particle of the pair: its index in the frames that have it.
@@ -293,178 +247,6 @@ impl Pair {
             columns,
         }
     }
-}
-
-/// Names of the particles of a frame.
-struct Keys {
-    of_particle: Vec<u64>,
-    index_of: HashMap<u64, usize>,
-}
-
-impl Keys {
-    fn new(moment: &Moment, identity: Identity) -> Result<Self, BetweenError> {
-        let particles = &*moment.particles;
-        let (column, of_particle): (_, Vec<u64>) = match identity {
-            Identity::Rows => (
-                "row",
-                particles.rows.iter().map(|&row| row.into()).collect(),
-            ),
-            Identity::Ids => {
-                let ids = particles.role(Role::Id).and_then(|ids| ids.first_column());
-                let ids = ids.ok_or_else(|| BetweenError::NoIds {
-                    frame: moment.name.clone(),
-                    there: columns_of(particles),
-                })?;
-                // + 0: there is one zero.
-                let key = |row| (ids.get(row, 0) + 0.0).to_bits();
-                (&*ids.name, (0..particles.len()).map(key).collect())
-            }
-        };
-        let mut index_of = HashMap::with_capacity(of_particle.len());
-        for (index, &key) in of_particle.iter().enumerate() {
-            match index_of.entry(key) {
-                Entry::Vacant(entry) => {
-                    entry.insert(index);
-                }
-                Entry::Occupied(entry) => {
-                    return Err(BetweenError::Duplicate {
-                        frame: moment.name.clone(),
-                        column: column.to_owned(),
-                        id: match identity {
-                            Identity::Ids => f64::from_bits(key),
-                            Identity::Rows => key as f64,
-                        },
-                        first: particles.rows[*entry.get()],
-                        second: particles.rows[index],
-                    });
-                }
-            }
-        }
-        Ok(Self {
-            of_particle,
-            index_of,
-        })
-    }
-}
-
-fn columns_of(particles: &Particles) -> String {
-    let names: Vec<&str> = particles.columns.iter().map(|c| c.name.as_str()).collect();
-    if names.is_empty() {
-        "none".to_owned()
-    } else {
-        names.join(", ")
-    }
-}
-
-/// The frames around the pair, for velocities from differences.
-struct Around<'a> {
-    before: Option<(&'a Moment, Keys)>,
-    earlier: &'a Moment,
-    later: &'a Moment,
-    after: Option<(&'a Moment, Keys)>,
-}
-
-impl Around<'_> {
-    fn interval(&self) -> f64 {
-        self.later.time - self.earlier.time
-    }
-
-    fn found(around: Option<&(&Moment, Keys)>, key: u64) -> Option<(DVec3, f64)> {
-        let (moment, keys) = around?;
-        let index = *keys.index_of.get(&key)?;
-        Some((moment.particles.positions[index], moment.time))
-    }
-
-    /// Displacements per interval at both ends of a particle's way: the slopes of the parabolas through
-    /// three frames each.
-    fn displacements(&self, key: u64, start: DVec3, end: DVec3) -> (DVec3, DVec3) {
-        let here = end - start;
-        let leaving = Self::found(self.before.as_ref(), key).map(|(position, time)| {
-            let share = (self.earlier.time - time) / self.interval();
-            let before = (start - position) / share;
-            // Weighed by the other interval's length.
-            (here * share + before) / (1.0 + share)
-        });
-        let arriving = Self::found(self.after.as_ref(), key).map(|(position, time)| {
-            let share = (time - self.later.time) / self.interval();
-            let after = (position - end) / share;
-            (here * share + after) / (1.0 + share)
-        });
-        match (leaving, arriving) {
-            (None, None) => (here, here),
-            // At the end of a sequence or a life: the parabola that the other end belongs to.
-            (None, Some(arriving)) => (here * 2.0 - arriving, arriving),
-            (Some(leaving), None) => (leaving, here * 2.0 - leaving),
-            (Some(leaving), Some(arriving)) => (leaving, arriving),
-        }
-    }
-
-    /// Displacement per interval of a particle that is about to go.
-    fn velocity_before(&self, key: u64, position: DVec3) -> DVec3 {
-        Self::found(self.before.as_ref(), key).map_or(DVec3::ZERO, |(before, time)| {
-            (position - before) * (self.interval() / (self.earlier.time - time))
-        })
-    }
-
-    /// Displacement per interval of a particle that has just come.
-    fn velocity_after(&self, key: u64, position: DVec3) -> DVec3 {
-        Self::found(self.after.as_ref(), key).map_or(DVec3::ZERO, |(after, time)| {
-            (after - position) * (self.interval() / (time - self.later.time))
-        })
-    }
-}
-
-/// A role's vectors, scaled; `None` where the role is not there or not finite.
-fn vectors(particles: &Particles, role: Role, scale: f64) -> Option<Vec<DVec3>> {
-    let role = particles.role(role)?;
-    let vector = |row| {
-        let vector = DVec3::new(role.get(row, 0), role.get(row, 1), role.get(row, 2)) * scale;
-        vector.is_finite().then_some(vector)
-    };
-    (0..particles.len()).map(vector).collect()
-}
-
-/// Accelerations are of use beside velocities alone.
-fn usable(
-    velocities: &Option<Vec<DVec3>>,
-    accelerations: &Option<Vec<DVec3>>,
-    index: usize,
-) -> DVec3 {
-    match (velocities, accelerations) {
-        (Some(_), Some(accelerations)) => accelerations[index],
-        _ => DVec3::ZERO,
-    }
-}
-
-/// The median of velocity over displacement, where it is far from 1.
-fn disagreement(
-    a: &Particles,
-    b: &Particles,
-    places: &[Place],
-    velocities: &[Option<Vec<DVec3>>; 2],
-) -> Option<f64> {
-    let [Some(leaving), Some(arriving)] = velocities else {
-        return None;
-    };
-    let mut ratios: Vec<f64> = places
-        .iter()
-        .filter_map(|place| {
-            let Place::Both(i, j) = *place else {
-                return None;
-            };
-            let moved = (b.positions[j] - a.positions[i]).length();
-            let meant = 0.5 * (leaving[i] + arriving[j]).length();
-            let ratio = meant / moved;
-            (moved > 0.0 && ratio.is_finite()).then_some(ratio)
-        })
-        .collect();
-    if ratios.is_empty() {
-        return None;
-    }
-    let middle = ratios.len() / 2;
-    let (_, median, _) = ratios.select_nth_unstable_by(middle, f64::total_cmp);
-    let fits = (1.0 / MOST_DISAGREEMENT..=MOST_DISAGREEMENT).contains(median);
-    (!fits && *median > 0.0).then_some(*median)
 }
 
 /// A column at a fraction of the interval.
