@@ -111,6 +111,7 @@ fn a_ball_has_its_closed_form_geometry_and_no_acne_at_any_scale() {
         let [red, alpha, z] = ["R", "A", "Z"].map(|name| real(&film, name));
         let position = ["P.X", "P.Y", "P.Z"].map(|name| real(&film, name));
         let normal = ["N.X", "N.Y", "N.Z"].map(|name| real(&film, name));
+        let curvature = ["mean", "gaussian"].map(|name| real(&film, &format!("curvature.{name}")));
         let velocity = real(&film, "velocity.Y");
         let (id, surface) = (index(&film, "id"), index(&film, "surface"));
         let (mut hits, mut lit) = (0, 0);
@@ -135,6 +136,8 @@ fn a_ball_has_its_closed_form_geometry_and_no_acne_at_any_scale() {
             hits += 1;
             assert_eq!((alpha[pixel], id[pixel], surface[pixel]), (1.0, 41, 0));
             assert!((velocity[pixel] + 2.0).abs() < 1e-6);
+            assert!((curvature[0][pixel] * radius - 1.0).abs() < 1e-3);
+            assert!((curvature[1][pixel] * radius * radius - 1.0).abs() < 2e-3);
             let expected = ray.at(t);
             let outward = (expected - center) / radius;
             let slope = outward.dot(-ray.direction);

@@ -35,6 +35,10 @@ pub(crate) struct BenchArgs {
     /// How often each pass is repeated
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub repeats: u32,
+    /// Trace moving particles: part of the time between two pictures that the shutter is open, each
+    /// ray at a time of its own
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
+    pub shutter: Option<f64>,
     /// Pixels of the primary pass
     #[arg(long, value_name = "WxH", default_value_t = Size([640, 480]))]
     pub size: Size,

@@ -3,7 +3,7 @@
 use crate::args::engine::EngineArgs;
 use crate::exit::{Failure, Outcome};
 use meniscus::accel::Engine;
-use meniscus::frame::FrameSettings;
+use meniscus::frame::{Frame, FrameSettings};
 use meniscus::math::simd::{SimdLevel, level_name};
 
 /// Engines that are announced and not there yet.
@@ -25,6 +25,12 @@ pub(crate) struct EngineChoice {
 }
 
 impl EngineChoice {
+    /// The engine that traces a frame: moving particles are handed on by those that know still ones only.
+    pub(crate) fn name_for(&self, frame: &Frame) -> &'static str {
+        let used = frame.blobs().next().map(|blobs| blobs.accel.engine());
+        used.unwrap_or(self.frame.engine).name()
+    }
+
     /// Validates the options and starts the threads.
     pub(crate) fn new(args: &EngineArgs) -> Outcome<Self> {
         let engine = match args.engine.as_deref() {

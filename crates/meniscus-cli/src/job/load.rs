@@ -112,8 +112,18 @@ pub(crate) fn build(
         interrupt::check()?;
         let mut settings = surface.settings(&BlobSettings::of_format(file.format));
         columns::carry(&mut settings, surface, aov, &file.particles);
-        let built = BlobField::from_particles(&file.particles, &settings)
-            .map_err(|error| field_failure(error, path))?;
+        let motion = &scene.motion;
+        let shutter_secs = motion.shutter_secs();
+        let scale = motion.velocity_scale;
+        let built =
+            BlobField::from_moving_particles(&file.particles, &settings, shutter_secs, scale)
+                .map_err(|error| field_failure(error, path))?;
+        if shutter_secs[0] < shutter_secs[1] && built.field.motion.is_none() {
+            reporter.warn(&format!(
+                "{}: no column of velocities that are not 0, so nothing moves",
+                path.display()
+            ));
+        }
         for warning in &built.report.warnings {
             reporter.warn(&format!("{}: {warning}", path.display()));
         }

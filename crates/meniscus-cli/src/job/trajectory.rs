@@ -101,7 +101,10 @@ impl Trajectories {
                 let (particles, time_ps) = part.over(&self.topology, step).map_err(failed)?;
                 let file = ParticleFile {
                     particles,
-                    ..self.topology.clone()
+                    format: self.topology.format,
+                    frames: self.len(),
+                    left_out: self.topology.left_out,
+                    warnings: Vec::new(),
                 };
                 return Ok((file, time_ps));
             }

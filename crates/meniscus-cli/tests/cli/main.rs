@@ -9,6 +9,7 @@ mod film;
 mod generate;
 mod info;
 mod interrupt;
+mod motion;
 mod options;
 mod render;
 mod run;

@@ -75,11 +75,12 @@ impl BlobField {
         particles: &Particles,
         settings: &BlobSettings,
     ) -> Result<FieldBuild, FieldError> {
-        Self::from_moving_particles(particles, settings, [0.0; 2])
+        Self::from_moving_particles(particles, settings, [0.0; 2], 1.0)
     }
 
     /// [`BlobField::from_particles`] of particles that move while the shutter is open, from and until
-    /// these seconds relative to the frame, as their velocities and accelerations say.
+    /// these seconds relative to the frame, as their velocities and accelerations say, which are
+    /// multiplied by `velocity_scale`.
     ///
     /// # Errors
     /// As there.
@@ -87,6 +88,7 @@ impl BlobField {
         particles: &Particles,
         settings: &BlobSettings,
         shutter_secs: [f64; 2],
+        velocity_scale: f64,
     ) -> Result<FieldBuild, FieldError> {
         positive("threshold", settings.threshold)?;
         let rule = Rule::choose(particles, settings)?;
@@ -133,7 +135,7 @@ impl BlobField {
         }
         let (least, largest) = supports.range();
         let are_similar = largest <= SIMILAR_SUPPORTS * least && supports.len() == positions.len();
-        let motion = build.motion(shutter_secs)?;
+        let motion = build.motion(shutter_secs, velocity_scale)?;
         let mut built = build.pack(settings, supports, rule.source(order), spacing)?;
         built.field.motion = motion;
         if are_similar {

@@ -11,7 +11,11 @@ const PARALLEL: usize = 1 << 14;
 impl Build<'_> {
     /// How the particles that are left move while the shutter is open; `None` where it never is, the file
     /// has no velocities, or all are 0. Rates that are not finite count as 0.
-    pub(super) fn motion(&self, shutter_secs: [f64; 2]) -> Result<Option<Motion>, FieldError> {
+    pub(super) fn motion(
+        &self,
+        shutter_secs: [f64; 2],
+        velocity_scale: f64,
+    ) -> Result<Option<Motion>, FieldError> {
         let [open, close] = shutter_secs;
         if !(open <= close && open.is_finite() && close.is_finite()) {
             return Err(FieldError::Setting {
@@ -26,8 +30,8 @@ impl Build<'_> {
             return Ok(None);
         }
         let motion = Motion {
-            velocities: self.rates(velocity, 1.0),
-            half_accelerations: self.rates(acceleration, 0.5),
+            velocities: self.rates(velocity, velocity_scale),
+            half_accelerations: self.rates(acceleration, 0.5 * velocity_scale),
             shutter: shutter_secs,
         };
         let moves = |rates: &[[f32; 3]]| rates.par_iter().any(|rate| *rate != [0.0; 3]);

@@ -17,6 +17,10 @@ pub struct SurfaceSample {
     pub position: [f32; 3],
     /// Unit outward normal, world space.
     pub normal: [f32; 3],
+    /// Way of the surface across the film while the shutter is open, in pixels to the right and down.
+    pub motion: [f32; 2],
+    /// Mean and Gaussian curvature, positive where the surface bulges outwards; 1/length, 1/length².
+    pub curvature: [f32; 2],
     /// Row of the strongest particle in its file; [`NO_INDEX`] on other geometry.
     pub id: u32,
     /// Index of the instance in the frame.
@@ -138,6 +142,15 @@ pub static CHANNELS: &[ChannelInfo] = &[
         source: Source::Mean(|s| [s.albedo[0], s.albedo[1], s.albedo[2], 0.0]),
     },
     ChannelInfo {
+        name: MOTION,
+        planes: &["motion.X", "motion.Y"],
+        blender_planes: &["Vector.X", "Vector.Y"],
+        storage: Storage::Float,
+        always: false,
+        in_all: true,
+        source: Source::Nearest(|s| [s.motion[0], s.motion[1], 0.0]),
+    },
+    ChannelInfo {
         name: "id",
         planes: &["id"],
         blender_planes: &["ParticleId.X"],
@@ -154,6 +167,15 @@ pub static CHANNELS: &[ChannelInfo] = &[
         always: false,
         in_all: true,
         source: Source::NearestIndex(|s| s.surface),
+    },
+    ChannelInfo {
+        name: CURVATURE,
+        planes: &["curvature.mean", "curvature.gaussian"],
+        blender_planes: &["Curvature.X", "Curvature.Y"],
+        storage: Storage::Float,
+        always: false,
+        in_all: true,
+        source: Source::Nearest(|s| [s.curvature[0], s.curvature[1], 0.0]),
     },
     ChannelInfo {
         name: "samples",
@@ -206,20 +228,14 @@ pub static CHANNELS: &[ChannelInfo] = &[
     },
 ];
 
-/// Channels that the command line knows but no renderer here can fill yet.
-const NOT_YET: &[&str] = &["motion", "curvature"];
+/// The channel of [`SurfaceSample::motion`], which is found out only where it is wanted.
+pub const MOTION: &str = "motion";
+/// The channel of [`SurfaceSample::curvature`]; likewise.
+pub const CURVATURE: &str = "curvature";
 
 /// Why a channel cannot be had.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ChannelError {
-    /// Known by name, not made by this version.
-    #[error("the channel '{name}' cannot be rendered by this version; there are: {known}")]
-    NotYet {
-        /// The channel.
-        name: String,
-        /// What there is.
-        known: String,
-    },
     /// Neither a channel nor an attribute that the surface carries.
     #[error(
         "there is no channel or attribute '{name}'; channels: {known}; attributes: {attributes}"
@@ -331,11 +347,6 @@ impl ChannelSet {
                 with_channel[i] = true;
             } else if let Some(i) = offered.iter().position(|a| a.name == name) {
                 with_attribute[i] = true;
-            } else if NOT_YET.contains(&name) {
-                return Err(ChannelError::NotYet {
-                    name: name.to_owned(),
-                    known: known(),
-                });
             } else {
                 let names: Vec<&str> = offered.iter().map(|a| a.name.as_str()).collect();
                 return Err(ChannelError::Unknown {
@@ -369,6 +380,11 @@ impl ChannelSet {
     /// The built-in channels, in file order.
     pub fn channels(&self) -> &[&'static ChannelInfo] {
         &self.channels
+    }
+
+    /// Whether a channel of this name is among them.
+    pub fn has(&self, name: &str) -> bool {
+        self.channels.iter().any(|channel| channel.name == name)
     }
 
     /// The attributes, in file order, after the built-in channels.
@@ -478,8 +494,6 @@ mod tests {
     #[test]
     fn what_cannot_be_had_is_an_error() {
         let attributes = [("density".into(), 1)];
-        let error = ChannelSet::new(&["motion"], &attributes).unwrap_err();
-        assert!(matches!(&error, ChannelError::NotYet { name, .. } if name == "motion"));
         let message = ChannelSet::new(&["velocity"], &attributes)
             .unwrap_err()
             .to_string();

@@ -218,6 +218,8 @@ mod tests {
                     depth,
                     position: [0.0; 3],
                     normal: [0.0, 0.0, 1.0],
+                    motion: [0.0; 2],
+                    curvature: [0.0; 2],
                     id: 0,
                     surface: 0,
                 });

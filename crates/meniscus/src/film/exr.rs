@@ -130,6 +130,8 @@ mod tests {
                         depth: 1.0 + x as f32,
                         position: [x as f32, y as f32, 1.0 / 3.0],
                         normal: [0.0, 0.6, 0.8],
+                        motion: [0.25, -3.0],
+                        curvature: [2.0, 4.0],
                         id: 16_777_217 + x,
                         surface: 2,
                     }),

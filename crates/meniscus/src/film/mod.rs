@@ -20,8 +20,8 @@ mod white;
 
 pub use aside::write_aside;
 pub use channel::{
-    AovStyle, AttributeInfo, CHANNELS, ChannelError, ChannelInfo, ChannelSet, NO_INDEX,
-    PixelSample, Plane, Source, Storage, SurfaceSample,
+    AovStyle, AttributeInfo, CHANNELS, CURVATURE, ChannelError, ChannelInfo, ChannelSet, MOTION,
+    NO_INDEX, PixelSample, Plane, Source, Storage, SurfaceSample,
 };
 pub use error::FilmError;
 pub use image::{BitDepth, Image, Pixels};

@@ -359,6 +359,8 @@ mod tests {
             depth: radiance[0],
             position: radiance,
             normal: [0.0, 1.0, 0.0],
+            motion: [0.0; 2],
+            curvature: [0.0; 2],
             id: x + s,
             surface: 0,
         });

@@ -9,6 +9,7 @@ mod coinciding;
 mod mesh;
 mod solids;
 mod solve;
+pub mod surface;
 pub mod sweep;
 mod world;
 

@@ -265,17 +265,15 @@ impl Pair {
                     .then(|| blended(column, other, &places, u))
             })
             .collect();
-        let own = |particles: &Particles, index: usize| {
-            let scale = particles.role(Role::SupportScale)?;
-            Some(scale.get(index, 0))
-        };
+        let owned = [a, b].map(|particles| particles.role(Role::SupportScale));
+        let own = |side: usize, index: usize| owned[side].as_ref().map(|own| own.get(index, 0));
         let scales: Vec<f32> = places
             .iter()
             .map(|place| {
                 let own = match *place {
-                    Place::Both(i, j) => own(a, i).zip(own(b, j)).map(|(x, y)| x + (y - x) * u),
-                    Place::EarlierOnly(i) => own(a, i),
-                    Place::LaterOnly(j) => own(b, j),
+                    Place::Both(i, j) => own(0, i).zip(own(1, j)).map(|(x, y)| x + (y - x) * u),
+                    Place::EarlierOnly(i) => own(0, i),
+                    Place::LaterOnly(j) => own(1, j),
                 };
                 (scale(place) * own.unwrap_or(1.0)) as f32
             })

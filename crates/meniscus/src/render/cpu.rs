@@ -2,9 +2,11 @@
 
 use super::noise::{SURE_SAMPLES, TileNoise};
 use super::{Backend, Progress, RenderError, RenderSettings, RenderState, RenderStats};
-use crate::film::{Film, NO_INDEX, PixelSample, Region, SurfaceSample};
+use crate::film::{CURVATURE, Film, MOTION, NO_INDEX, PixelSample, Region, SurfaceSample};
 use crate::frame::environment::luminance;
 use crate::frame::{Frame, Geometry};
+use crate::intersect::Hit;
+use crate::intersect::surface::Curvature;
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::{PixelFilter, PixelSampler};
 use crate::scene::camera::Camera;
@@ -57,7 +59,10 @@ impl Backend for CpuBackend {
 /// One rendering, checked.
 struct Job<'a> {
     camera: &'a Camera,
+    frame: &'a Frame,
     settings: &'a RenderSettings,
+    with_motion: bool,
+    with_curvature: bool,
     region: Region,
     samples: Range<u32>,
     shader: Shader<'a>,
@@ -83,7 +88,10 @@ impl<'a> Job<'a> {
         let [width, height] = camera.size;
         Ok(Self {
             camera,
+            frame,
             settings,
+            with_motion: settings.channels.has(MOTION),
+            with_curvature: settings.channels.has(CURVATURE),
             region: settings.region.unwrap_or(Region::full(width, height)),
             samples,
             shader: Shader::new(
@@ -294,7 +302,7 @@ impl<'a> Job<'a> {
                 backdrop: seen.backdrop,
                 albedo: seen.albedo,
                 denoising_albedo: seen.denoising_albedo,
-                surface: self.surface_sample(&seen),
+                surface: self.surface_sample(&seen, block.eye.rays[index].time),
                 attributes: scratch.attributes(),
             };
             film.add(x, y, sample, offset, &sample_seen);
@@ -305,12 +313,34 @@ impl<'a> Job<'a> {
         }
     }
 
-    fn surface_sample(&self, seen: &Seen) -> Option<SurfaceSample> {
+    /// How far what was hit moves across the film while the shutter is open, to first order, in pixels.
+    fn motion(&self, hit: &Hit, time_secs: f64) -> [f32; 2] {
+        let [open, close] = self.settings.shutter_secs;
+        let velocity = self.frame.velocity(hit, time_secs);
+        let at = |secs: f64| self.camera.project(hit.position + velocity * secs);
+        match [at(open - time_secs), at(close - time_secs)] {
+            [Some(from), Some(to)] => [0, 1].map(|axis| (to[axis] - from[axis]) as f32),
+            _ => [0.0; 2],
+        }
+    }
+
+    fn surface_sample(&self, seen: &Seen, time_secs: f64) -> Option<SurfaceSample> {
         let hit = seen.hit?;
+        let curvature = if self.with_curvature {
+            self.frame.curvature(&hit, time_secs)
+        } else {
+            Curvature::default()
+        };
         Some(SurfaceSample {
             depth: self.camera.depth(hit.position) as f32,
             position: hit.position.as_vec3().to_array(),
             normal: hit.shading_normal.as_vec3().to_array(),
+            motion: if self.with_motion {
+                self.motion(&hit, time_secs)
+            } else {
+                [0.0; 2]
+            },
+            curvature: [curvature.mean as f32, curvature.gaussian as f32],
             id: seen.row.unwrap_or(NO_INDEX),
             surface: hit.surface,
         })

@@ -17,6 +17,7 @@ pub mod generate;
 pub mod integrator;
 pub mod lights;
 pub mod materials;
+pub mod motion;
 pub mod placement;
 pub mod preset;
 pub mod surface;
@@ -32,6 +33,7 @@ pub use film::{Background, FilmSettings, WhiteBalance};
 pub use integrator::{IntegratorKind, IntegratorSettings};
 pub use lights::{Light, LightKind};
 pub use materials::{Material, MaterialKind};
+pub use motion::MotionSettings;
 pub use placement::{Clip, ClipError, Ground, Instance, Matrix, Mesh, Plane, Sphere};
 pub use preset::Preset;
 pub use surface::{BlobSettings, Surface, SurfaceKind, Weights};
@@ -51,6 +53,9 @@ pub struct Scene {
     pub camera: CameraSettings,
     /// `[film]`: size, samples and development of the picture.
     pub film: FilmSettings,
+    /// `[motion]`: motion blur.
+    #[serde(skip_serializing_if = "MotionSettings::is_default")]
+    pub motion: MotionSettings,
     /// `[cues]`: silhouettes and depth shading.
     #[serde(skip_serializing_if = "CueSettings::is_default")]
     pub cues: CueSettings,

@@ -48,6 +48,7 @@ impl Scene {
     pub fn validate(&self) -> Result<(), SceneError> {
         check_camera(&self.camera)?;
         check_film(&self.film)?;
+        company::check_motion(&self.motion)?;
         company::check_cues(&self.cues)?;
         self.check_integrator()?;
         for (i, surface) in self.surfaces.iter().enumerate() {

@@ -89,6 +89,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         apply_settings(&args.settings, scene)?;
         apply_surface(&args.surface, scene)?;
         apply_camera(&args.camera, scene)?;
+        scene.motion.shutter = args.shutter.unwrap_or(scene.motion.shutter);
         // Only surfaces are measured.
         scene.ground = None;
         [scene.film.width, scene.film.height] = args.size.0;
@@ -131,6 +132,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
     let bench = Bench {
         frame,
         camera: &camera,
+        shutter_secs: input.scene.motion.shutter_secs(),
         towards_light: towards_light.unwrap_or(DVec3::Y),
         repeats: args.repeats,
         reporter: &reporter,
@@ -141,7 +143,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
     let refinement_secs = measured.refinement_secs / engine.threads as f64;
     let rays = measured.counters.rays.max(1) as f64;
     let report = BenchReport {
-        engine: engine.frame.engine.name(),
+        engine: engine.name_for(frame),
         simd: engine.simd,
         device: engine.device,
         threads: engine.threads,

@@ -60,6 +60,8 @@ pub(crate) struct Bench<'a> {
     pub frame: &'a Frame,
     /// Where primary rays start.
     pub camera: &'a Camera,
+    /// When the shutter opens and closes, in seconds relative to the frame.
+    pub shutter_secs: [f64; 2],
     /// Where shadow rays go.
     pub towards_light: DVec3,
     /// How often.
@@ -100,10 +102,22 @@ impl Bench<'_> {
         Ok((figures, counters))
     }
 
+    /// The ray from a hit, at the time of the one that found it.
+    #[inline(always)]
+    fn from_surface(&self, start: &Start, direction: DVec3) -> Ray {
+        Ray {
+            time: time_at(start.pixel, self.shutter_secs),
+            ..Ray::new(start.position, direction).with_side(Side::Outside)
+        }
+    }
+
     /// The ray through the centre of a pixel.
     #[inline(always)]
     fn primary_ray(&self, [x, y]: [u32; 2]) -> Ray {
-        self.camera.ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
+        Ray {
+            time: time_at([x, y], self.shutter_secs),
+            ..self.camera.ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
+        }
     }
 
     /// Measures all passes.
@@ -133,7 +147,7 @@ impl Bench<'_> {
             .filter(|start| start.normal.dot(self.towards_light) > 0.0)
             .copied()
             .collect();
-        let shadow_ray = |start: &Start| from_surface(start, self.towards_light);
+        let shadow_ray = |start: &Start| self.from_surface(start, self.towards_light);
         let blocked = |rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch| {
             self.frame.any_hits(rays, hits, scratch);
         };
@@ -144,7 +158,7 @@ impl Bench<'_> {
 
         let hemisphere_ray = |start: &Start| {
             let u = PixelSampler::new(start.pixel, 0, SEED).next_2d();
-            from_surface(start, cosine_hemisphere(start.normal, u))
+            self.from_surface(start, cosine_hemisphere(start.normal, u))
         };
         let (hemisphere, ..) = self.pass(2, &starts, hemisphere_ray, closest)?;
         let mut shuffled = starts;
@@ -246,8 +260,14 @@ fn in_blocks(width: u32, height: u32) -> Vec<[u32; 2]> {
     pixels
 }
 
-fn from_surface(start: &Start, direction: DVec3) -> Ray {
-    Ray::new(start.position, direction).with_side(Side::Outside)
+/// A time of the pixel's own within the shutter.
+#[inline(always)]
+fn time_at([x, y]: [u32; 2], [open, close]: [f64; 2]) -> f64 {
+    if open == close {
+        return open;
+    }
+    let mixed = (x.wrapping_mul(0x9e37_79b1) ^ y).wrapping_mul(0x85eb_ca77);
+    open + (close - open) * f64::from(mixed ^ mixed >> 15) * 2_f64.powi(-32)
 }
 
 /// Fisher and Yates, with a fixed seed.

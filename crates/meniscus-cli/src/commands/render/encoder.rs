@@ -116,18 +116,22 @@ impl Encoder {
             std::thread::sleep(POLL);
         }
     }
-}
 
-impl Drop for Encoder {
     /// Ends an ffmpeg that still runs and takes away what it has written; a finished film has another
     /// name by now.
-    fn drop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.input = None;
         if let Ok(None) = self.child.try_wait() {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
         let _ = std::fs::remove_file(&self.output);
+    }
+}
+
+impl Drop for Encoder {
+    fn drop(&mut self) {
+        self.stop();
     }
 }
 

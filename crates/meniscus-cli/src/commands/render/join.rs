@@ -40,9 +40,8 @@ impl Kept {
 
 /// Joins the frames of a sequence.
 pub(super) struct Joiner {
-    /// Frames of the sequence per second.
-    fps: f64,
-    velocity_scale: f64,
+    /// Pictures for each frame of the input.
+    slow_motion: f64,
     kept: VecDeque<(Key, Arc<Kept>)>,
     /// The last interval's ends and its pairs, one per surface; `None` where both ends read the same
     /// file.
@@ -51,10 +50,10 @@ pub(super) struct Joiner {
 }
 
 impl Joiner {
-    pub(super) fn new(fps: f64, velocity_scale: f64) -> Self {
+    /// A joiner for this many pictures to each frame of the input.
+    pub(super) fn new(slow_motion: f64) -> Self {
         Self {
-            fps,
-            velocity_scale,
+            slow_motion,
             kept: VecDeque::new(),
             pairs: None,
             has_warned: false,
@@ -147,6 +146,8 @@ impl Joiner {
             Some(&*interval.next),
             interval.after.as_deref(),
         ];
+        let motion = &job.input.scene.motion;
+        let frame_secs = self.slow_motion / motion.fps;
         let mut pairs = Vec::with_capacity(here.files.len());
         for surface in 0..here.files.len() {
             let paths = [&job.input, &interval.next].map(|input| &input.files[surface]);
@@ -161,7 +162,7 @@ impl Joiner {
             let moment = |place: usize| -> Option<Moment> {
                 let frame = all[place].as_ref()?;
                 let input = inputs[place]?;
-                let seconds = interval.times[place] / self.fps;
+                let seconds = interval.times[place] * frame_secs;
                 Some(Moment {
                     name: name(input, surface),
                     particles: frame.particles[surface].clone(),
@@ -178,7 +179,7 @@ impl Joiner {
                 } else {
                     Identity::Ids
                 },
-                velocity_scale: self.velocity_scale,
+                velocity_scale: motion.velocity_scale,
             };
             let pair = Pair::new(
                 moment(0).as_ref(),
@@ -192,7 +193,7 @@ impl Joiner {
                 && !self.has_warned
             {
                 self.has_warned = true;
-                let fitting = fitting * self.velocity_scale;
+                let fitting = fitting * motion.velocity_scale;
                 reporter.warn(&format!(
                     "{}: velocities do not fit the way to the next frame and are not used; \
                      --velocity-scale {fitting:.3} would fit, or another --fps",

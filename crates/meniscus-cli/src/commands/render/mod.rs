@@ -23,7 +23,7 @@ use ahead::{Loader, Schedule, Step};
 use fixed::Fixed;
 use join::Joiner;
 use meniscus::render::RenderState;
-use meniscus::scene::Scene;
+use meniscus::scene::{MotionSettings, Scene};
 use movie::Movie;
 use options::PictureOptions;
 use std::path::Path;
@@ -62,9 +62,14 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
         }
         (Some(jobs), fixed, is_sequence || args.turntable.is_some())
     };
+    let slow_motion = options.slow_motion.unwrap_or(1.0);
+    let scene_fps =
+        |jobs: &Vec<plan::Job>| Some(jobs.first()?.input.scene.motion.fps / slow_motion);
+    let fps = options.fps.or_else(|| jobs.as_ref().and_then(scene_fps));
+    let fps = fps.unwrap_or(MotionSettings::default().fps);
     let movie = match &target {
         Target::Film(film) if jobs.as_ref().is_none_or(|jobs| !jobs.is_empty()) => {
-            Some(Movie::start(film, options.fps, args.resume)?)
+            Some(Movie::start(film, fps, args.resume)?)
         }
         Target::Film(_) | Target::Picture(_) | Target::Pattern(_) => None,
     };
@@ -94,7 +99,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
     let loader = Loader {
         schedule,
         fixed,
-        joiner: Joiner::new(options.fps, options.velocity_scale),
+        joiner: Joiner::new(slow_motion),
         aov: &options.aov,
         engine: &engine,
         last: None,

@@ -6,8 +6,11 @@ use crate::job::output::kept_folder;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// The unfinished film, in the folder of kept pictures.
-const UNFINISHED: &str = "film.part";
+/// How the unfinished film is called in the folder of kept pictures, around the number of our process:
+/// the ffmpeg of a run that was killed may still be writing its own.
+const UNFINISHED: [&str; 2] = ["film.", ".part"];
+/// How names of kept pictures start, see `plan`.
+const KEPT_PREFIXES: [&str; 3] = ["frame_", "turn_", "slow_"];
 /// A PNG's signature, then length and name of the first chunk, width and height.
 const PNG_HEAD_BYTES: usize = 24;
 
@@ -19,6 +22,7 @@ const PNG_HEAD_BYTES: usize = 24;
 pub(super) struct Movie {
     film: PathBuf,
     folder: PathBuf,
+    unfinished: PathBuf,
     encoder: Encoder,
     pushed: BTreeSet<PathBuf>,
     size: Option<[u32; 2]>,
@@ -32,15 +36,18 @@ impl Movie {
             Failure::work(format!("cannot write {}: {error}", folder.display()))
         };
         if !resumes {
-            remove_pictures(&folder);
+            remove(pictures_in(&folder));
         }
+        remove(unfinished_in(&folder));
         std::fs::create_dir_all(&folder).map_err(failed)?;
-        let encoder = Encoder::start(&folder.join(UNFINISHED), fps).inspect_err(|_| {
+        let unfinished = folder.join(UNFINISHED.join(&std::process::id().to_string()));
+        let encoder = Encoder::start(&unfinished, fps).inspect_err(|_| {
             let _ = std::fs::remove_dir(&folder);
         })?;
         Ok(Self {
             film: film.to_owned(),
             folder,
+            unfinished,
             encoder,
             pushed: BTreeSet::new(),
             size: None,
@@ -83,12 +90,10 @@ impl Movie {
     /// Ends the film and puts it in its place, in spite of Ctrl-C if `is_sure`.
     pub(super) fn finish(&mut self, is_sure: bool) -> Outcome {
         self.encoder.finish(is_sure)?;
-        std::fs::rename(self.folder.join(UNFINISHED), &self.film).map_err(|error| {
+        std::fs::rename(&self.unfinished, &self.film).map_err(|error| {
             Failure::work(format!("cannot write {}: {error}", self.film.display()))
         })?;
-        for picture in std::mem::take(&mut self.pushed) {
-            let _ = std::fs::remove_file(picture);
-        }
+        remove(std::mem::take(&mut self.pushed));
         Ok(())
     }
 
@@ -101,7 +106,8 @@ impl Movie {
 
 impl Drop for Movie {
     fn drop(&mut self) {
-        let _ = std::fs::remove_file(self.folder.join(UNFINISHED));
+        self.encoder.stop();
+        remove(unfinished_in(&self.folder));
         // Stays where it holds pictures.
         let _ = std::fs::remove_dir(&self.folder);
     }
@@ -109,18 +115,31 @@ impl Drop for Movie {
 
 /// The pictures that we keep in a folder, of this film or an earlier one under the same name.
 fn pictures_in(folder: &Path) -> Vec<PathBuf> {
+    files_in(folder, |name| {
+        name.ends_with(".png") && KEPT_PREFIXES.iter().any(|prefix| name.starts_with(prefix))
+    })
+}
+
+fn unfinished_in(folder: &Path) -> Vec<PathBuf> {
+    let [prefix, ending] = UNFINISHED;
+    files_in(folder, |name| {
+        name.starts_with(prefix) && name.ends_with(ending)
+    })
+}
+
+fn files_in(folder: &Path, is_wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
     };
-    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    paths
-        .filter(|path| path.extension().is_some_and(|ending| ending == "png"))
-        .collect()
+    let entries = entries.filter_map(Result::ok);
+    let wanted = entries.filter(|entry| is_wanted(&entry.file_name().to_string_lossy()));
+    wanted.map(|entry| entry.path()).collect()
 }
 
-fn remove_pictures(folder: &Path) {
-    for picture in pictures_in(folder) {
-        let _ = std::fs::remove_file(picture);
+/// What cannot be removed is in nobody's way.
+fn remove(files: impl IntoIterator<Item = PathBuf>) {
+    for file in files {
+        let _ = std::fs::remove_file(file);
     }
 }
 

@@ -30,12 +30,10 @@ pub(crate) struct PictureOptions {
     pub samples: Option<Range<u32>>,
     /// When to stop adding samples.
     pub time_limit: Option<Duration>,
-    /// Frames per second of a film, and of the input.
-    pub fps: f64,
+    /// Frames per second of a film, where the command line says; else the scene does.
+    pub fps: Option<f64>,
     /// Pictures for each frame of the input, where there are more than one.
     pub slow_motion: Option<f64>,
-    /// Factor that turns the particles' velocities into units of length per second.
-    pub velocity_scale: f64,
     /// Longest wait for the next frame of a running simulation.
     pub watch_timeout: Option<Duration>,
     /// Whether the noise is taken out at the end.
@@ -66,7 +64,9 @@ impl PictureOptions {
         }
         let is_film = format == PictureFormat::Mp4;
         check_kinds_of_sequence(args, format)?;
-        if args.fps.is_some() && !is_film && args.slow_motion.is_none() {
+        check_velocity_scale(args, reporter)?;
+        let has_time = args.slow_motion.is_some() || args.shutter.is_some();
+        if args.fps.is_some() && !is_film && !has_time {
             reporter.warn("--fps changes nothing: pictures without shutter time have no speed");
         }
         if is_film && args.png_depth != 8 {
@@ -113,9 +113,8 @@ impl PictureOptions {
                 .samples
                 .map(|range| range.first..range.last.saturating_add(1)),
             time_limit: args.time_limit.map(time_limit).transpose()?,
-            fps: fps(args.fps)?,
+            fps: args.fps.map(checked_fps).transpose()?,
             slow_motion: args.slow_motion,
-            velocity_scale: velocity_scale(args, reporter)?,
             watch_timeout: watch_timeout(args)?,
             denoise: args.denoise,
             shared_legend: fixed_range.then(|| without_number(&args.output)),
@@ -123,13 +122,10 @@ impl PictureOptions {
     }
 }
 
-/// Frames per second where nothing is said.
-const DEFAULT_FPS: f64 = 25.0;
 /// Most frames per second that make sense.
 const MAX_FPS: f64 = 1000.0;
 
-fn fps(given: Option<f64>) -> Outcome<f64> {
-    let fps = given.unwrap_or(DEFAULT_FPS);
+fn checked_fps(fps: f64) -> Outcome<f64> {
     if fps > 0.0 && fps <= MAX_FPS {
         return Ok(fps);
     }
@@ -184,17 +180,17 @@ fn check_denoise(args: &RenderArgs) -> Outcome {
     Ok(())
 }
 
-fn velocity_scale(args: &RenderArgs, reporter: &Reporter) -> Outcome<f64> {
+fn check_velocity_scale(args: &RenderArgs, reporter: &Reporter) -> Outcome {
     let scale = args.velocity_scale.unwrap_or(1.0);
     if !(scale.is_finite() && scale != 0.0) {
         return Err(Failure::wrong(format!(
             "--velocity-scale must be a number other than 0, not {scale}"
         )));
     }
-    if args.velocity_scale.is_some() && args.slow_motion.is_none() {
-        reporter.warn("--velocity-scale changes nothing without --slow-motion");
+    if args.velocity_scale.is_some() && args.slow_motion.is_none() && args.shutter.is_none() {
+        reporter.warn("--velocity-scale changes nothing without --slow-motion or --shutter");
     }
-    Ok(scale)
+    Ok(())
 }
 
 fn watch_timeout(args: &RenderArgs) -> Outcome<Option<Duration>> {
@@ -228,14 +224,6 @@ const MOST_ADAPTIVE_SAMPLES: u32 = 1024;
 
 /// Flags that are announced and not there yet are answered, never ignored.
 fn refuse_what_is_to_come(args: &RenderArgs) -> Outcome {
-    if let Some(shutter) = args.shutter
-        && shutter != 0.0
-    {
-        return Err(Failure::not_yet(
-            "--shutter other than 0 (motion blur)",
-            "--shutter 0",
-        ));
-    }
     let channels = || {
         CHANNELS
             .iter()
@@ -280,6 +268,10 @@ pub(crate) fn edit_scene(args: &RenderArgs, format: PictureFormat, scene: &mut S
     } else if args.time_limit.is_some() {
         scene.film.spp = MAX_SPP;
     }
+    let motion = &mut scene.motion;
+    motion.shutter = args.shutter.unwrap_or(motion.shutter);
+    motion.fps = args.fps.unwrap_or(motion.fps) * args.slow_motion.unwrap_or(1.0);
+    motion.velocity_scale = args.velocity_scale.unwrap_or(motion.velocity_scale);
     if let Some(spp) = args.spp {
         scene.film.spp = spp;
     }

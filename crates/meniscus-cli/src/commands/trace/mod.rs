@@ -42,7 +42,15 @@ pub(crate) fn run(args: &TraceArgs) -> Outcome {
     };
     let rays = rays::read(&args.rays)?;
     reporter.start(1);
-    let loaded = load::load(input, &input.scene, &[], &engine, &reporter)?;
+    // The shutter is open as long as rays ask for.
+    let mut scene = (*input.scene).clone();
+    let latest = rays
+        .iter()
+        .map(|ray| ray.time.abs())
+        .filter(|time| time.is_finite());
+    let latest = latest.fold(0.0, f64::max);
+    scene.motion.shutter = scene.motion.shutter.max(2.0 * latest * scene.motion.fps);
+    let loaded = load::load(input, &scene, &[], &engine, &reporter)?;
     reporter.stage("trace");
     let question = if args.any {
         Question::Any

@@ -1,7 +1,8 @@
-//! Meshes, spheres, planes, cuts and where they stand; depth cues.
+//! Meshes, spheres, planes, cuts and where they stand; depth cues; the shutter.
 
 use super::{Checked, check_direction, check_point, require};
-use crate::scene::{CueSettings, Matrix, Scene};
+use crate::scene::motion::MAX_SHUTTER;
+use crate::scene::{CueSettings, Matrix, MotionSettings, Scene};
 
 impl Scene {
     /// Whether anything but particles can be seen.
@@ -57,6 +58,30 @@ pub(super) fn check_matrix(key: &str, matrix: &Matrix) -> Checked {
         m.determinant().abs() > 1e-9 * edges,
         key,
         "the matrix is singular: it flattens the surface",
+    )
+}
+
+pub(super) fn check_motion(motion: &MotionSettings) -> Checked {
+    require(
+        (0.0..=MAX_SHUTTER).contains(&motion.shutter),
+        "motion.shutter",
+        format!(
+            "`shutter` is a part of the time between two pictures, from 0 to {MAX_SHUTTER}, not {}",
+            motion.shutter
+        ),
+    )?;
+    require(
+        motion.fps > 0.0 && motion.fps <= 1e6,
+        "motion.fps",
+        format!("`fps` must be above 0 and up to 1e6, not {}", motion.fps),
+    )?;
+    require(
+        motion.velocity_scale != 0.0 && motion.velocity_scale.is_finite(),
+        "motion.velocity_scale",
+        format!(
+            "`velocity_scale` must be a number other than 0, not {}",
+            motion.velocity_scale
+        ),
     )
 }
 

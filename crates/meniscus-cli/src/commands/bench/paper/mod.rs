@@ -147,6 +147,7 @@ impl Stage<'_> {
         let bench = Bench {
             frame: &frame,
             camera: &camera,
+            shutter_secs: [0.0; 2],
             towards_light: DVec3::Y,
             repeats: self.repeats,
             reporter: self.reporter,

@@ -28,6 +28,10 @@ white_balance = 5600
 noise = 0.02
 background = "#ff8000"
 
+[motion]
+shutter = 0.5
+fps = 24
+
 [cues]
 silhouettes = 0.5
 depth_shading = 2
@@ -150,6 +154,11 @@ fn full() -> Scene {
             white_balance: Some(crate::scene::WhiteBalance::Kelvin(5600.0)),
             noise: Some(0.02),
             background: Some(Background::Color(Color::from_srgb8([255, 128, 0]))),
+        },
+        motion: crate::scene::MotionSettings {
+            shutter: 0.5,
+            fps: 24.0,
+            ..Default::default()
         },
         integrator: IntegratorSettings {
             kind: IntegratorKind::Path,
