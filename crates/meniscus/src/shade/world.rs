@@ -146,7 +146,6 @@ struct Contact {
 }
 
 /// How a ray goes on that nothing turned.
-#[derive(Debug)]
 pub(super) struct Onward {
     /// The ray.
     pub(super) ray: Ray,
@@ -368,8 +367,19 @@ impl<'a> World<'a> {
         contact
     }
 
-    /// The surface point that a ray in `media` hits; how the ray goes on where the boundary is none,
-    /// because one medium fills the place on both sides. Opaque surfaces have at least the roughness
+    /// How a ray in `media` goes on behind `hit` where [`World::interaction`] finds no boundary.
+    pub(super) fn onward(
+        &self,
+        ray: &Ray,
+        hit: Hit,
+        media: &MediumStack,
+        scratch: &mut ShadeScratch,
+    ) -> Onward {
+        self.contact(ray, hit, media, scratch).onward(ray)
+    }
+
+    /// The surface point that a ray in `media` hits; `None` where the boundary is none, because one
+    /// medium fills the place on both sides. Opaque surfaces have at least the roughness
     /// `least_roughness`.
     pub(super) fn interaction(
         &self,
@@ -378,10 +388,10 @@ impl<'a> World<'a> {
         media: &MediumStack,
         least_roughness: f64,
         scratch: &mut ShadeScratch,
-    ) -> Result<Interaction<'_>, Onward> {
+    ) -> Option<Interaction<'_>> {
         let contact = self.contact(ray, hit, media, scratch);
         if !contact.is_boundary {
-            return Err(contact.onward(ray));
+            return None;
         }
         let Contact { hit, beyond, .. } = contact;
         let (material, index) = self.material(hit.surface);
@@ -408,7 +418,7 @@ impl<'a> World<'a> {
         let mut view = DVec3::from_array(axes.map(|axis| -axis.dot(ray.direction)));
         // Where a ray grazes the surface, the rounded normal may look away from it.
         view.z = view.z.max(1e-5);
-        Ok(Interaction {
+        Some(Interaction {
             hit,
             color,
             bsdf,

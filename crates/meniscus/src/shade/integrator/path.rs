@@ -129,16 +129,14 @@ impl Shader<'_> {
                 0.0
             };
             let found = world.interaction(&path.ray, hit, &path.media, least_roughness, scratch);
-            let point = match found {
-                Ok(point) => point,
-                Err(onward) => {
-                    false_boundaries += 1;
-                    if false_boundaries > MAX_FALSE_BOUNDARIES {
-                        break;
-                    }
-                    (path.ray, path.media) = (onward.ray, onward.media);
-                    continue;
+            let Some(point) = found else {
+                false_boundaries += 1;
+                if false_boundaries > MAX_FALSE_BOUNDARIES {
+                    break;
                 }
+                let onward = world.onward(&path.ray, hit, &path.media, scratch);
+                (path.ray, path.media) = (onward.ray, onward.media);
+                continue;
             };
             let hit = point.hit;
             if first.is_none() {

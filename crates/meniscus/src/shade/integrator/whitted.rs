@@ -80,7 +80,7 @@ impl Shader<'_> {
                 };
             };
             match world.interaction(&ray, met, &media, 0.0, scratch) {
-                Ok(point) => {
+                Some(point) => {
                     let met = point.hit;
                     let mut light = self.turned(&ray, &point, &media, level, weight, scratch);
                     let opacity = world.opacity(&met);
@@ -102,7 +102,10 @@ impl Shader<'_> {
                     count(&mut scratch.rays, Scattering::Refraction);
                     ray = passed(&ray, &met);
                 }
-                Err(onward) => (ray, media) = (onward.ray, onward.media),
+                None => {
+                    let onward = world.onward(&ray, met, &media, scratch);
+                    (ray, media) = (onward.ray, onward.media);
+                }
             }
             hit = world.frame.closest_hit(&ray, &mut scratch.trace);
         }
