@@ -104,7 +104,7 @@ impl Bench<'_> {
 
     /// The ray from a hit, at the time of the one that found it.
     #[inline(always)]
-    fn from_surface(&self, start: &Start, direction: DVec3) -> Ray {
+    fn leaving_surface(&self, start: &Start, direction: DVec3) -> Ray {
         Ray {
             time: time_at(start.pixel, self.shutter_secs),
             ..Ray::new(start.position, direction).with_side(Side::Outside)
@@ -147,7 +147,7 @@ impl Bench<'_> {
             .filter(|start| start.normal.dot(self.towards_light) > 0.0)
             .copied()
             .collect();
-        let shadow_ray = |start: &Start| self.from_surface(start, self.towards_light);
+        let shadow_ray = |start: &Start| self.leaving_surface(start, self.towards_light);
         let blocked = |rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch| {
             self.frame.any_hits(rays, hits, scratch);
         };
@@ -158,7 +158,7 @@ impl Bench<'_> {
 
         let hemisphere_ray = |start: &Start| {
             let u = PixelSampler::new(start.pixel, 0, SEED).next_2d();
-            self.from_surface(start, cosine_hemisphere(start.normal, u))
+            self.leaving_surface(start, cosine_hemisphere(start.normal, u))
         };
         let (hemisphere, ..) = self.pass(2, &starts, hemisphere_ray, closest)?;
         let mut shuffled = starts;
