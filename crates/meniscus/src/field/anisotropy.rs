@@ -206,8 +206,13 @@ impl Moments {
         let largest = sigma.max_element();
         sigma = sigma.max(DVec3::splat(largest / LARGEST_RATIO));
         sigma = DVec3::ONE.lerp(sigma, counts);
-        let inverse = DMat3::from_diagonal((sigma * sigma).recip());
-        let metric = axes * inverse * axes.transpose() * (support * support).recip();
+        let inverse = (sigma * sigma * (support * support)).recip();
+        let scaled = DMat3::from_cols(
+            axes.x_axis * inverse.x,
+            axes.y_axis * inverse.y,
+            axes.z_axis * inverse.z,
+        );
+        let metric = scaled * axes.transpose();
         let center = position + mean * (SMOOTHING * counts * NEIGHBOURHOOD * support);
         match Ellipsoid::factor_of(metric) {
             Ok(factor) => (center, factor),
@@ -226,30 +231,43 @@ fn smoothstep([low, high]: [f64; 2], x: f64) -> f64 {
 }
 
 /// Eigenvalues of a symmetric matrix and its unit eigenvectors as columns, by Jacobi's rotations.
-fn eigen(mut m: DMat3) -> (DVec3, DMat3) {
-    /// Each sweep squares what is left of the off-diagonal.
-    const SWEEPS: usize = 8;
-    let mut axes = DMat3::IDENTITY;
+fn eigen(matrix: DMat3) -> (DVec3, DMat3) {
+    /// Far more than are ever needed: each squares what is left off the diagonal.
+    const SWEEPS: usize = 12;
+    let mut m = matrix.to_cols_array_2d();
+    let mut axes = DMat3::IDENTITY.to_cols_array_2d();
+    let size = m
+        .iter()
+        .flatten()
+        .fold(0.0, |size: f64, a| size.max(a.abs()));
     for _ in 0..SWEEPS {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            let off = m.col(q)[p];
-            if off == 0.0 {
+        let mut settled = true;
+        for (p, q, r) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
+            let off = m[p][q];
+            if off.abs() <= f64::EPSILON * size {
                 continue;
             }
-            let theta = 0.5 * (m.col(q)[q] - m.col(p)[p]) / off;
+            settled = false;
+            let theta = 0.5 * (m[q][q] - m[p][p]) / off;
             let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
-            let mut rotation = DMat3::IDENTITY;
-            rotation.col_mut(p)[p] = c;
-            rotation.col_mut(q)[q] = c;
-            rotation.col_mut(q)[p] = s;
-            rotation.col_mut(p)[q] = -s;
-            m = rotation.transpose() * m * rotation;
-            axes *= rotation;
+            m[p][p] -= t * off;
+            m[q][q] += t * off;
+            (m[p][q], m[q][p]) = (0.0, 0.0);
+            let (pr, qr) = (c * m[p][r] - s * m[q][r], s * m[p][r] + c * m[q][r]);
+            (m[p][r], m[r][p], m[q][r], m[r][q]) = (pr, pr, qr, qr);
+            for k in 0..3 {
+                let (a, b) = (axes[p][k], axes[q][k]);
+                (axes[p][k], axes[q][k]) = (c * a - s * b, s * a + c * b);
+            }
+        }
+        if settled {
+            break;
         }
     }
-    (DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z), axes)
+    let values = DVec3::new(m[0][0], m[1][1], m[2][2]);
+    (values, DMat3::from_cols_array_2d(&axes))
 }
 
 #[cfg(test)]

@@ -294,8 +294,8 @@ mod tests {
         ] {
             assert_eq!(name(text.as_bytes()), Some(expected), "{text:?}");
         }
-        assert_eq!(name(b"\x54\0\0\0CORD"), Some("DCD"));
-        assert_eq!(name(b"\0\0\x07\xcb\0\0\0\x09"), Some("XTC"));
+        assert_eq!(name(b"\x54\0\0\0CORD"), Some("a DCD trajectory"));
+        assert_eq!(name(b"\0\0\x07\xcb\0\0\0\x09"), Some("an XTC trajectory"));
     }
 
     #[test]
