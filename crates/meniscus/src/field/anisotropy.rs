@@ -15,6 +15,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch, f32x16};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// r over the support radius.
 const NEIGHBOURHOOD: f64 = 1.5;
@@ -42,20 +43,35 @@ pub(super) struct Estimate {
 
 /// The estimate for particles with these support radii; `points` is a tree over the positions.
 pub(super) fn estimate(positions: &[DVec3], supports: &[f64], points: &BoxTree) -> Estimate {
-    let groups: Vec<&[u32]> = points.groups().collect();
-    let found: Vec<Vec<(DVec3, [f64; 6])>> = groups
+    // In the order of the tree, so that neighbours in space are neighbours in memory.
+    let order = points.order();
+    let column = |axis: usize| -> Vec<f64> {
+        let coordinate = |&item: &u32| positions[item as usize][axis];
+        order.par_iter().map(coordinate).collect()
+    };
+    let columns = [column(0), column(1), column(2)];
+    let mut first = 0;
+    let ranges: Vec<Range<usize>> = points
+        .groups()
+        .map(|group| {
+            first += group.len();
+            first - group.len()..first
+        })
+        .collect();
+    let found: Vec<Vec<(DVec3, [f64; 6])>> = ranges
         .par_chunks(GROUPS)
-        .map_init(Neighbours::default, |neighbours, groups| {
+        .map_init(Neighbours::default, |neighbours, ranges| {
             let mut found = Vec::new();
-            for group in groups {
-                neighbours.gather(group, positions, supports, points);
-                for &item in *group {
+            for range in ranges {
+                let group = &order[range.clone()];
+                let largest = group.iter().fold(0.0, |largest: f64, &item| {
+                    largest.max(supports[item as usize])
+                });
+                neighbours.gather(range.clone(), largest, &columns, points);
+                for &item in group {
                     let (position, support) = (positions[item as usize], supports[item as usize]);
-                    found.push(
-                        neighbours
-                            .moments(position, support)
-                            .settle(position, support),
-                    );
+                    let moments = neighbours.moments(position, support);
+                    found.push(moments.settle(position, support));
                 }
             }
             found
@@ -65,7 +81,7 @@ pub(super) fn estimate(positions: &[DVec3], supports: &[f64], points: &BoxTree) 
         centers: vec![DVec3::ZERO; positions.len()],
         factors: vec![[0.0; 6]; positions.len()],
     };
-    for (&item, (center, factor)) in points.order().iter().zip(found.into_iter().flatten()) {
+    for (&item, (center, factor)) in order.iter().zip(found.into_iter().flatten()) {
         estimate.centers[item as usize] = center;
         estimate.factors[item as usize] = factor;
     }
@@ -80,36 +96,43 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    fn gather(&mut self, group: &[u32], positions: &[DVec3], supports: &[f64], points: &BoxTree) {
+    /// Takes all particles that one of `group`, places in `columns`, may reach; `support` is the largest
+    /// of theirs.
+    fn gather(
+        &mut self,
+        group: Range<usize>,
+        support: f64,
+        columns: &[Vec<f64>; 3],
+        points: &BoxTree,
+    ) {
         let mut region = DAabb::EMPTY;
-        let mut reach = 0.0_f64;
-        for &item in group {
-            region = region.including(positions[item as usize]);
-            reach = reach.max(NEIGHBOURHOOD * supports[item as usize]);
+        for place in group {
+            let [x, y, z] = columns;
+            region = region.including(DVec3::new(x[place], y[place], z[place]));
         }
-        region.min -= reach;
-        region.max += reach;
+        region.min -= NEIGHBOURHOOD * support;
+        region.max += NEIGHBOURHOOD * support;
         self.middle = region.center();
-        let [x, y, z] = &mut self.places;
-        for column in [&mut *x, &mut *y, &mut *z] {
-            column.clear();
+        let mut farthest = region;
+        for places in &mut self.places {
+            places.clear();
         }
-        points.for_each_group_overlapping(&region, |items| {
-            for &item in items {
-                let place = positions[item as usize];
-                if place.cmpge(region.min).all() && place.cmple(region.max).all() {
-                    let place = (place - self.middle).as_vec3();
-                    x.push(place.x);
-                    y.push(place.y);
-                    z.push(place.z);
+        points.for_each_range(
+            |bounds| bounds.min.cmple(region.max).all() && region.min.cmple(bounds.max).all(),
+            |bounds, range| {
+                farthest = farthest.union(*bounds);
+                for (axis, places) in self.places.iter_mut().enumerate() {
+                    let middle = self.middle[axis];
+                    let near = columns[axis][range.clone()].iter();
+                    places.extend(near.map(|coordinate| (coordinate - middle) as f32));
                 }
-            }
-        });
+            },
+        );
         // Out of everybody's reach.
-        let nowhere = 8.0 * (region.size().max_element() as f32).max(f32::MIN_POSITIVE);
-        let filled = x.len().next_multiple_of(LANES);
-        for column in [x, y, z] {
-            column.resize(filled, nowhere);
+        let nowhere = 8.0 * (farthest.size().max_element() as f32).max(f32::MIN_POSITIVE);
+        let filled = self.places[0].len().next_multiple_of(LANES);
+        for places in &mut self.places {
+            places.resize(filled, nowhere);
         }
     }
 
