@@ -4,7 +4,7 @@ Cycles. Both path tracers are unbiased to the same depth, with the same camera, 
 and samples; both pictures are kept, linear and side by side.
 
   cargo build --release; pip install bpy (needs the Python that bpy names); pip install pysplashsurf
-  PYTHON_WITH_BPY benches/cycles.py --out FOLDER [--program target/release/meniscus]
+  PYTHON_WITH_BPY benches/against_cycles.py --out FOLDER [--program target/release/meniscus]
       [--splashsurf pysplashsurf] [--count 60000] [--size 1280x720] [--spp 64] [--cell 0.5] [--threads 2]
 """
 
