@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use meniscus::accel::Engine;
-use meniscus::field::Search;
+use meniscus::field::{Motion, Search};
 use meniscus::frame::{Blobs, Update};
 use meniscus::kernel::Kernel;
 use meniscus::math::simd::Level;
@@ -59,4 +59,20 @@ fn another_number_of_blobs_is_built_anew() {
     let mut blobs = Blobs::build(few.field, Engine::Particles, Level::new());
     assert_eq!(blobs.update(many.field.clone()), Update::Rebuilt);
     assert_eq!(blobs.field.len(), many.field.len());
+}
+
+#[test]
+fn blobs_that_begin_to_move_are_built_anew() {
+    let scene = corpus::scene("pool", Kernel::Quartic, 200);
+    let mut moving = scene.field.clone();
+    let count = moving.len();
+    moving.motion = Some(Motion {
+        velocities: vec![[0.1, 0.0, 0.0]; count],
+        half_accelerations: vec![[0.0; 3]; count],
+        shutter: [0.0, 1.0],
+    });
+    let mut blobs = Blobs::build(scene.field.clone(), Engine::Particles, Level::new());
+    assert_eq!(blobs.update(moving.clone()), Update::Rebuilt);
+    assert_eq!(blobs.update(moving), Update::Refitted);
+    assert_eq!(blobs.update(scene.field), Update::Rebuilt);
 }
