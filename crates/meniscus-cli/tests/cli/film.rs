@@ -202,7 +202,7 @@ fn killed_at_any_moment_and_resumed_every_frame_is_the_same() {
     folder.done(&format!("render 'f_{{}}.vtk' -o 'q_{{}}.png' {TINY}"));
     // Moments spread over a run, whatever it takes on this machine.
     let moments = [0.4, 0.05, 0.21, 0.13, 0.3, 0.08, 0.17];
-    for (words, done) in [(&film, "film.mp4"), (&pictures, "p_40.png")] {
+    for words in [&film, &pictures] {
         for moment in moments.map(|moment| undisturbed.mul_f64(moment)) {
             let mut child = command(&folder, &format!("{words} --resume"))
                 .stderr(Stdio::null())
@@ -211,8 +211,11 @@ fn killed_at_any_moment_and_resumed_every_frame_is_the_same() {
             std::thread::sleep(moment);
             // SIGKILL: nobody can tidy up.
             child.kill().unwrap();
-            let status = child.wait().unwrap();
-            assert!(status.success() || !folder.path(done).exists());
+            child.wait().unwrap();
+            // The kill may come after the film took its place, never before it was whole.
+            if folder.path("film.mp4").exists() {
+                assert_eq!(folder.read("film.mp4"), whole);
+            }
             for picture in finished(&folder) {
                 assert!(is_whole_png(&picture), "{}", picture.display());
             }
