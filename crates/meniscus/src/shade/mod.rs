@@ -4,6 +4,7 @@ mod attributes;
 mod bsdf;
 mod gloss;
 mod integrator;
+mod interaction;
 mod light;
 mod medium;
 mod rays;

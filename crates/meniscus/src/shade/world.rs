@@ -5,6 +5,7 @@ use super::bsdf::{
     Bsdf, Coat, Conductor, Dielectric, Diffuse, Foam, Plastic, RoughBoundary, Sheet,
     dielectric_reflectance,
 };
+use super::interaction::Interaction;
 use super::light::{Lights, Sky};
 use super::medium::MediumStack;
 use super::rays::{RayCounts, ShadeScratch};
@@ -51,68 +52,6 @@ impl Prepared {
                 Self::Clear(is_rough.then(|| Box::new(RoughBoundary::new(material.ior))))
             }
             MaterialKind::Foam => Self::Foam,
-        }
-    }
-}
-
-/// A surface point, seen from one side.
-pub(super) struct Interaction<'a> {
-    /// The hit.
-    pub(super) hit: Hit,
-    /// Base colour.
-    pub(super) color: Vec3,
-    /// How it scatters.
-    pub(super) bsdf: Bsdf<'a>,
-    /// Towards the viewer, in the surface's frame: z > 0.
-    pub(super) view: DVec3,
-    /// The frame; the last axis is the normal on the viewer's side.
-    axes: [DVec3; 3],
-    /// Media behind the surface; those in front of it if it is opaque.
-    pub(super) beyond: MediumStack,
-}
-
-impl Interaction<'_> {
-    /// World direction of one in the surface's frame.
-    pub(super) fn to_world(&self, local: DVec3) -> DVec3 {
-        let [x, y, z] = self.axes;
-        (x * local.x + y * local.y + z * local.z).normalize()
-    }
-
-    /// A world direction in the surface's frame.
-    pub(super) fn to_local(&self, world: DVec3) -> DVec3 {
-        DVec3::from_array(self.axes.map(|axis| axis.dot(world)))
-    }
-
-    /// The normal on the viewer's side.
-    pub(super) fn normal(&self) -> DVec3 {
-        self.axes[2]
-    }
-
-    /// Whether a world direction lies on the same side of the face as of the shading normal: on the
-    /// viewer's side or beyond. Where they differ, light would leak through the face.
-    pub(super) fn agrees(&self, direction: DVec3, on_viewers_side: bool) -> bool {
-        let Hit {
-            normal,
-            shading_normal,
-            entering,
-            ..
-        } = &self.hit;
-        shading_normal == normal || (direction.dot(*normal) > 0.0) == (on_viewers_side == *entering)
-    }
-
-    /// The ray that leaves in world direction `direction`, which lies on the viewer's side or beyond.
-    /// It states its side, so it starts on the surface itself.
-    pub(super) fn leaving(&self, direction: DVec3, on_viewers_side: bool, time: f64) -> Ray {
-        let side = if self.hit.entering == on_viewers_side {
-            Side::Outside
-        } else {
-            Side::Inside
-        };
-        Ray {
-            time,
-            side,
-            side_of: Some(self.hit.surface),
-            ..Ray::new(self.hit.position, direction)
         }
     }
 }

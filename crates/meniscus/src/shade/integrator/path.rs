@@ -9,9 +9,10 @@ use crate::math::sampling::PixelSampler;
 use crate::scene::Background;
 use crate::shade::ShadeScratch;
 use crate::shade::bsdf::{BsdfSample, Scattering, Sheet};
+use crate::shade::interaction::Interaction;
 use crate::shade::light::Found;
 use crate::shade::medium::MediumStack;
-use crate::shade::world::{Interaction, count, passed};
+use crate::shade::world::{count, passed};
 use glam::{DVec3, Vec3};
 
 /// Draws from the sampler per surface, and which one decides what. Numbers that nothing needs are not

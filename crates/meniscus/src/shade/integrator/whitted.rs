@@ -8,8 +8,9 @@ use crate::math::ray::Ray;
 use crate::scene::MaterialKind;
 use crate::shade::ShadeScratch;
 use crate::shade::bsdf::{Bsdf, Scattering, Sheet, dielectric_reflectance};
+use crate::shade::interaction::Interaction;
 use crate::shade::medium::MediumStack;
-use crate::shade::world::{Interaction, count, passed};
+use crate::shade::world::{count, passed};
 use glam::{DVec3, Vec3};
 
 /// Branches that can change a picture by less than this are not followed.
