@@ -1,10 +1,9 @@
 //! What integrators share: looks of surfaces, media, lights in the way of nothing.
 
+mod passage;
+
 use super::attributes::AttributeLayout;
-use super::bsdf::{
-    Bsdf, Coat, Conductor, Dielectric, Diffuse, Foam, Plastic, RoughBoundary, Sheet,
-    dielectric_reflectance,
-};
+use super::bsdf::{Bsdf, Coat, Conductor, Dielectric, Diffuse, Foam, Plastic, RoughBoundary};
 use super::interaction::Interaction;
 use super::light::{Lights, Sky};
 use super::medium::MediumStack;
@@ -15,11 +14,6 @@ use crate::math::ray::{Ray, Side};
 use crate::math::sampling::tangents;
 use crate::scene::{Background, Light as LightSettings, MaterialKind};
 use glam::{DVec3, Vec3};
-
-/// Points along a way through a medium at which its absorption is looked at where it varies.
-const ABSORPTION_STEPS: u32 = 8;
-/// Clear surfaces that a ray crosses in a straight line before it counts as stopped.
-const MAX_CROSSINGS: u32 = 64;
 
 /// What a material needs beside its numbers, made once.
 #[derive(Debug)]
@@ -54,22 +48,6 @@ impl Prepared {
             MaterialKind::Foam => Self::Foam,
         }
     }
-}
-
-/// The part of a light that reaches a point, and whether it went through clear surfaces.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
-    /// What is left of it.
-    pub(super) part: Vec3,
-    /// Whether something clear was in between.
-    pub(super) went_through: bool,
-}
-
-impl Reach {
-    const NOTHING: Self = Self {
-        part: Vec3::ZERO,
-        went_through: false,
-    };
 }
 
 /// What a ray meets where it hits a surface.
@@ -365,140 +343,6 @@ impl<'a> World<'a> {
             axes,
             beyond,
         })
-    }
-
-    /// The thin sheet that a ray in `media` meets.
-    fn sheet(
-        &self,
-        ray: &Ray,
-        hit: &Hit,
-        media: &MediumStack,
-        scratch: &mut ShadeScratch,
-    ) -> Sheet {
-        let (material, _) = self.material(hit.surface);
-        let depth = match material.absorption.constant() {
-            Some(depth) => Vec3::from_array(depth),
-            None => self.coefficients(hit.surface, hit.position, scratch),
-        };
-        let cosine = -viewed_normal(ray, hit, false).dot(ray.direction);
-        Sheet::new(cosine, media.ior(self.frame) / material.ior, depth)
-    }
-
-    /// Absorption of a clear surface at a point, per world unit.
-    fn coefficients(&self, surface: u32, point: DVec3, scratch: &mut ShadeScratch) -> Vec3 {
-        let absorption = &self.material(surface).0.absorption;
-        scratch.attributes.gather(self.frame, surface, point);
-        let left = self.color(&absorption.left, surface, scratch);
-        let density = match &absorption.density {
-            None => 1.0,
-            Some(scaling) => self.number(scaling, surface, scratch).max(0.0),
-        };
-        Vec3::from_array(absorption.coefficients(left)) * density
-    }
-
-    /// What is left of light after `distance` along a ray in `media` (Beer and Lambert). Where the
-    /// absorption varies its mean is taken by the midpoint rule.
-    pub(super) fn absorbed(
-        &self,
-        ray: &Ray,
-        distance: f64,
-        media: &MediumStack,
-        scratch: &mut ShadeScratch,
-    ) -> Vec3 {
-        let Some(surface) = media.filling(self.frame) else {
-            return Vec3::ONE;
-        };
-        let absorption = &self.material(surface).0.absorption;
-        let coefficients = match absorption.constant() {
-            Some(coefficients) => Vec3::from_array(coefficients),
-            None if !distance.is_finite() => Vec3::ZERO,
-            None => {
-                let mut sum = Vec3::ZERO;
-                for step in 0..ABSORPTION_STEPS {
-                    let along = (f64::from(step) + 0.5) / f64::from(ABSORPTION_STEPS);
-                    sum += self.coefficients(surface, ray.at(along * distance), scratch);
-                }
-                sum / ABSORPTION_STEPS as f32
-            }
-        };
-        // Without absorption infinite ways are clear: 0 · ∞ is not a number.
-        Vec3::from_array(coefficients.to_array().map(|c| {
-            if c > 0.0 {
-                (-c * distance as f32).exp()
-            } else {
-                1.0
-            }
-        }))
-    }
-
-    /// How much of the light from `distance` along `ray` arrives. Boundaries of clear media stop it;
-    /// or, if `straight`, they let through what they do not reflect, without bending it. Thin sheets
-    /// bend nothing: they never stop it.
-    pub(super) fn reach(
-        &self,
-        mut ray: Ray,
-        mut distance: f64,
-        mut media: MediumStack,
-        straight: bool,
-        scratch: &mut ShadeScratch,
-    ) -> Reach {
-        scratch.rays.shadow += 1;
-        // One clear surface alone has no boundaries that are none.
-        let walks = self.has_sheets || self.medium_count > 1 || straight && self.medium_count > 0;
-        if !walks {
-            ray.t_max = distance;
-            if self.frame.any_hit(&ray, &mut scratch.trace) {
-                return Reach::NOTHING;
-            }
-            let emission = self.emission_scale(&media);
-            return Reach {
-                part: self.absorbed(&ray, distance, &media, scratch) * emission,
-                went_through: false,
-            };
-        }
-        let mut reach = Reach {
-            part: Vec3::ONE,
-            went_through: false,
-        };
-        for _ in 0..MAX_CROSSINGS {
-            ray.t_max = distance;
-            let Some(hit) = self.frame.closest_hit(&ray, &mut scratch.trace) else {
-                let left = self.absorbed(&ray, distance, &media, scratch);
-                reach.part *= left * self.emission_scale(&media);
-                return reach;
-            };
-            reach.part *= self.absorbed(&ray, hit.t, &media, scratch);
-            let contact = self.contact(&ray, hit, &media, scratch);
-            let Contact { hit, beyond, .. } = contact;
-            if !contact.is_boundary {
-                let onward = contact.onward(&ray);
-                distance -= onward.walked;
-                (ray, media) = (onward.ray, onward.media);
-                continue;
-            }
-            let (material, _) = self.material(hit.surface);
-            if !material.kind.is_clear() {
-                return Reach::NOTHING;
-            }
-            if material.thin {
-                reach.part *= self.sheet(&ray, &hit, &media, scratch).transmitted();
-            } else {
-                if !straight {
-                    return Reach::NOTHING;
-                }
-                reach.went_through = true;
-                let [ior, ior_beyond] = [media.ior(self.frame), beyond.ior(self.frame)];
-                let cosine = hit.normal.dot(ray.direction).abs().min(1.0);
-                reach.part *= 1.0 - dielectric_reflectance(cosine, ior / ior_beyond).0 as f32;
-            }
-            if reach.part.max_element() <= 0.0 {
-                return Reach::NOTHING;
-            }
-            media = beyond;
-            distance -= hit.t;
-            ray = passed(&ray, &hit);
-        }
-        Reach::NOTHING
     }
 
     /// Radiance of a light over what it is transported as: a lamp in a medium of index n has the basic
