@@ -3,7 +3,8 @@
 al. 2010 (hard shadows, then 1 and 3 levels of mirrors, over ray casting).
 
   cargo build --release
-  python3 benches/light.py [--program target/release/meniscus] [--rounds 5] [--size 640x480] [--small]
+  python3 benches/light.py [--program target/release/meniscus] [--rounds 5] [--size 640x480] [--spp 16]
+                           [--small]
 
 All parts of a row are run interleaved, two threads, medians of the rounds; --small is a quick try.
 """
@@ -63,7 +64,7 @@ class Bench:
         return [out[kind]["mrays_per_sec"] for kind in ("primary", "hemisphere")]
 
 
-def rates(bench, count):
+def rates(bench, count, spp):
     """Rays a second of whole pictures over the engine's hemisphere rays a second."""
     scene = bench.scene("pool", count)
     kinds = {
@@ -86,14 +87,14 @@ def rates(bench, count):
         eye_rate, hemisphere_rate = bench.engine(next(iter(files.values())))
         found["hemisphere"].append(hemisphere_rate)
         for name, file in files.items():
-            stats = bench.render(file, 4)
+            stats = bench.render(file, spp)
             counts[name] = rays = stats["rays"]
             found[name].append(sum(rays.values()) / stats["render_secs"] / 1e6)
             # The eye's rays go together and are faster: what they take at the engine's rate is left out.
             others = sum(rays.values()) - rays["primary"]
             secondary[name].append(others / (stats["render_secs"] * 1e6 - rays["primary"] / eye_rate))
     engine = statistics.median(found["hemisphere"])
-    print(f"pool of {count}, {bench.size}, 4 samples a pixel; bench: {engine:.2f} M hemisphere rays/s")
+    print(f"pool of {count}, {bench.size}, {spp} samples a pixel; bench: {engine:.2f} M hemisphere rays/s")
     for name in kinds:
         ratio = lambda rates: statistics.median(a / b for a, b in zip(rates, found["hemisphere"]))
         rate = statistics.median(found[name])
@@ -134,13 +135,14 @@ def main():
     parser.add_argument("--program", default="target/release/meniscus")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--size", default="640x480")
+    parser.add_argument("--spp", type=int, default=16, help="samples a pixel of the rates")
     parser.add_argument("--small", action="store_true", help="small sets, one round")
     words = parser.parse_args()
     if words.small:
         words.rounds, words.size = 1, "160x120"
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(words, folder)
-        rates(bench, 5_000 if words.small else 100_000)
+        rates(bench, 5_000 if words.small else 100_000, words.spp)
         effects(bench, [(name, 2_000) for name, _ in SETS[::2]] if words.small else SETS)
 
 

@@ -5,12 +5,12 @@ use meniscus::accel::cells::Cells;
 use meniscus::accel::{Accel, Engine};
 use meniscus::field::{BlobField, Motion, Search};
 use meniscus::frame::Blobs;
-use meniscus::intersect::Scratch;
+use meniscus::intersect::{BlobHit, Crossing, Scratch};
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
 use meniscus::math::simd::Level;
 use meniscus_testing::corpus::{self, Scene};
-use meniscus_testing::examine::Question;
+use meniscus_testing::examine::{Question, Tracer};
 use meniscus_testing::oracle::Oracle;
 use meniscus_testing::random::Stream;
 use meniscus_testing::rays;
@@ -166,4 +166,75 @@ fn cells_keep_blobs_that_move_with_their_neighbours() {
         [(); 3].map(|()| speed * (random.unit() - 0.5) as f32)
     };
     assert_eq!(built(&scattering), Engine::Particles);
+}
+
+/// Asks about every ray together with the same one at other times.
+struct AmongOtherTimes<'a>(&'a Blobs);
+
+impl AmongOtherTimes<'_> {
+    const TIMES: usize = 4;
+
+    fn mixed(rays: &[Ray]) -> Vec<Ray> {
+        let [open, close] = SHUTTER_SECS;
+        let mut random = Stream::new(91, rays.len() as u64);
+        let mut with_others = |ray: &Ray| {
+            let mut times = [(); Self::TIMES].map(|()| open + (close - open) * random.unit());
+            times[0] = ray.time;
+            times.map(|time| Ray { time, ..*ray })
+        };
+        rays.iter().flat_map(&mut with_others).collect()
+    }
+}
+
+impl Tracer for AmongOtherTimes<'_> {
+    fn closest(&self, ray: &Ray, scratch: &mut Scratch) -> Option<BlobHit> {
+        self.0.closest(ray, scratch)
+    }
+
+    fn occluded(&self, ray: &Ray, scratch: &mut Scratch) -> bool {
+        self.0.occluded(ray, scratch)
+    }
+
+    fn crossings(&self, ray: &Ray, scratch: &mut Scratch) -> Vec<Crossing> {
+        Tracer::crossings(self.0, ray, scratch)
+    }
+
+    fn closest_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<Option<BlobHit>> {
+        let hits = Tracer::closest_many(self.0, &Self::mixed(rays), scratch);
+        hits.into_iter().step_by(Self::TIMES).collect()
+    }
+
+    fn occluded_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<bool> {
+        let hits = Tracer::occluded_many(self.0, &Self::mixed(rays), scratch);
+        hits.into_iter().step_by(Self::TIMES).collect()
+    }
+}
+
+#[test]
+fn rays_traced_together_have_times_of_their_own() {
+    let mut problems = Vec::new();
+    for (n, kind) in corpus::KINDS.iter().enumerate() {
+        let kernel = Kernel::ALL[n % Kernel::ALL.len()];
+        let scene = moving(&corpus::scene(kind, kernel, 300), 0.6);
+        for level in levels() {
+            let blobs = built(&scene.field, Engine::Cells, level);
+            let Accel::Cells(cells) = &blobs.accel else {
+                panic!("not cells");
+            };
+            assert!(cells.suit_packets(), "{kind}");
+            for time in times() {
+                let oracle = Oracle::at(&scene.field, time);
+                let stage = Stage::new(&scene, &oracle, 60);
+                let mut all = rays::primary(&oracle, 40, DVec3::new(0.3, 0.5, 1.0));
+                all.extend(rays::hemisphere(&stage.points, 3));
+                all.extend(rays::grazing(&oracle, &stage.points, 4));
+                let all = at_time(all, time);
+                for question in [Question::ClosestTogether, Question::AnyTogether] {
+                    let complaint = complaints(&AmongOtherTimes(&blobs), &stage, &all, question);
+                    problems.extend(complaint.map(|text| format!("{level:?} at {time}: {text}")));
+                }
+            }
+        }
+    }
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
 }

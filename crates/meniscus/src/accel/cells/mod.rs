@@ -50,8 +50,13 @@ pub struct Cells {
     /// Local box around all cells.
     pub bounds: Option<Aabb>,
     context: BuildContext,
+    /// How far blobs move while the shutter is open, in the root mean square.
+    way_spacings: f32,
     refinement_nanos: AtomicU64,
 }
+
+/// Up to this way of the blobs rays are traced together, in spacings.
+const MOST_WAY_SPACINGS: f32 = 2.0;
 
 /// A cell whose inside is made when the first ray comes.
 #[derive(Debug)]
@@ -134,6 +139,7 @@ impl Cells {
             coarse: CoarseCell::all(boxes),
             bounds: Some(root.bounds().hull().padded(pad)),
             context,
+            way_spacings: moving::way_spacings(field),
             refinement_nanos: AtomicU64::new(0),
         }
     }
@@ -142,6 +148,13 @@ impl Cells {
     #[inline(always)]
     pub fn stored(&self) -> &Columns {
         &self.context.stored
+    }
+
+    /// Whether rays at different times are worth tracing together: where blobs move far, rays side by side
+    /// meet other cells.
+    #[inline(always)]
+    pub fn suit_packets(&self) -> bool {
+        self.way_spacings <= MOST_WAY_SPACINGS
     }
 
     /// What lies in coarse cell `index` of the structure of `field`, or in deep cell `index` of a part

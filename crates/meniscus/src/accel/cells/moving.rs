@@ -68,6 +68,17 @@ pub(super) fn is_coherent(field: &BlobField) -> bool {
     mean_square <= limit * limit
 }
 
+/// How far blobs move while the shutter is open, in the root mean square; 0 where nothing moves.
+pub(super) fn way_spacings(field: &BlobField) -> f32 {
+    let Some(motion) = &field.motion else {
+        return 0.0;
+    };
+    let squares: f64 = (0..field.len())
+        .map(|i| motion.by_phase(i, DVec3::ZERO)[1].length_squared())
+        .sum();
+    2.0 * (squares / field.len() as f64).sqrt() as f32 / field.spacing
+}
+
 /// In how many pieces of the shutter bounds over parts of `place` are best taken.
 pub(super) fn pieces_for<P: Primitive>(list: &BlobList, place: &Place, support: f32) -> usize {
     if !list.stored.moves() || place.middle().size().max_element() > ONE_PIECE_SIDE * support {

@@ -53,7 +53,7 @@ pub fn closest_many(
     scratch: &mut Scratch,
 ) {
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        if cells.stored().moves() || !packet::may_be_coherent(rays) {
+        if !cells.suit_packets() || !packet::may_be_coherent(rays) {
             for (ray, hit) in rays.iter().zip(hits) {
                 *hit = ray
                     .is_traceable()
@@ -91,7 +91,7 @@ pub fn occluded_many(
     scratch: &mut Scratch,
 ) {
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        if cells.stored().moves() || !packet::may_be_coherent(rays) {
+        if !cells.suit_packets() || !packet::may_be_coherent(rays) {
             for (ray, hit) in rays.iter().zip(hits) {
                 *hit = ray.is_traceable() && occluded(blobs, cells, ray, scratch);
             }
@@ -303,7 +303,7 @@ fn meets_fine<P: Primitive>(blobs: &Blobs, leaf: &LeafView<'_>, ray: &LocalRay) 
 }
 
 /// The time within the shutter, from −1 to 1; 0 where nothing moves.
-fn phase(blobs: &Blobs, time_secs: f64) -> f32 {
+pub(super) fn phase(blobs: &Blobs, time_secs: f64) -> f32 {
     let motion = blobs.field.motion.as_ref();
     motion.map_or(0.0, |motion| motion.phase(time_secs) as f32)
 }

@@ -5,9 +5,9 @@
 
 use super::Lanes;
 use super::visit::{least, most};
-use crate::accel::cells::layout::LANES;
+use crate::accel::cells::layout::{Block, LANES};
 use crate::intersect::cells::LeafView;
-use crate::intersect::cells::gather::{lanes as column, shape_lanes};
+use crate::intersect::cells::gather::{center_lanes, lanes as column, shape_lanes};
 use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
 use crate::primitive::{Primitive, dot};
@@ -96,7 +96,7 @@ impl LeafView<'_> {
     /// Puts the places of the blobs that some segment of the packet may meet into `kept`, and returns
     /// how many. The segments begin at `origin`, relative to the leaf's centre.
     #[inline(always)]
-    pub(super) fn cull<S: Simd, P: Primitive>(
+    pub(super) fn cull<S: Simd, P: Primitive, const MOVES: bool>(
         &self,
         simd: S,
         lanes: &Lanes<'_, S>,
@@ -112,13 +112,22 @@ impl LeafView<'_> {
         let direction: [f32x16<S>; 3] = splat3(simd, tube.direction);
         let (from, to) = (f32x16::splat(simd, tube.from), f32x16::splat(simd, tube.to));
         let one = f32x16::splat(simd, 1.0);
+        let [first, last] = lanes.phases;
+        let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
         let mut slots = u32x16::from_slice(simd, &SLOTS);
         let mut count = 0;
         let per_chunk = self.stored.blocks_per_chunk::<P>();
         for chunk in self.chunks.chunks_exact(per_chunk) {
             let w = xyz(
                 #[inline(always)]
-                |k| column(simd, chunk, k) - origin[k],
+                |k| {
+                    let center = if MOVES {
+                        center_lanes::<S, P>(simd, self.stored, chunk, k, middle)
+                    } else {
+                        column(simd, chunk, k)
+                    };
+                    center - origin[k]
+                },
             );
             let shape = shape_lanes::<S, P>(simd, self.stored, chunk);
             let line = P::along(&shape[..P::COLUMNS], w, direction);
@@ -128,7 +137,11 @@ impl LeafView<'_> {
             for a in &shape[1..P::COLUMNS] {
                 norm = Number::mul_add(*a, *a, norm);
             }
-            let reach = Number::mul_add(norm.sqrt(), f32x16::splat(simd, tube.radius), one);
+            let mut radius = f32x16::splat(simd, tube.radius);
+            if MOVES {
+                radius += self.way::<S, P>(simd, chunk, (middle, half));
+            }
+            let reach = Number::mul_add(norm.sqrt(), radius, one);
             let limit = Number::mul_add(reach, reach, f32x16::splat(simd, Q_MARGIN));
             let meets = q.simd_lt(limit);
             let bits = meets.to_bitmask();
@@ -141,6 +154,34 @@ impl LeafView<'_> {
             slots += 16;
         }
         count
+    }
+
+    /// How far a chunk's blobs are at most from where they are in the middle of a stretch of time,
+    /// (middle, half length) from −1 to 1.
+    #[inline(always)]
+    fn way<S: Simd, P: Primitive>(
+        &self,
+        simd: S,
+        chunk: &[Block],
+        (middle, half): (f32, f32),
+    ) -> f32x16<S> {
+        let first = self.stored.motion_at::<P>();
+        let velocity: [f32x16<S>; 3] = xyz(
+            #[inline(always)]
+            |k| column(simd, chunk, first + k),
+        );
+        if !self.stored.is_accelerated() {
+            return dot(velocity, velocity).sqrt() * half;
+        }
+        let bend = xyz(
+            #[inline(always)]
+            |k| column(simd, chunk, first + 3 + k),
+        );
+        let speed = xyz(
+            #[inline(always)]
+            |k| bend[k] * (2.0 * middle) + velocity[k],
+        );
+        (dot(bend, bend).sqrt() * half + dot(speed, speed).sqrt()) * half
     }
 }
 

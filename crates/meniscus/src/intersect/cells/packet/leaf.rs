@@ -86,9 +86,37 @@ struct Gathered<S: Simd> {
 }
 
 impl LeafView<'_> {
-    /// Centre, shape and weight of blob `lane` of a chunk.
+    /// Centre of blob `lane` of a chunk at the rays' times.
     #[inline(always)]
-    fn blob<P: Primitive>(&self, chunk: &[Block], lane: usize) -> ([f32; 3], [f32; 6], f32) {
+    fn center_of<S: Simd, P: Primitive, const MOVES: bool>(
+        &self,
+        simd: S,
+        chunk: &[Block],
+        lane: usize,
+        phase: f32x16<S>,
+    ) -> [f32x16<S>; 3] {
+        let lane = lane % LANES;
+        let chunk = &chunk[..self.stored.blocks_per_chunk::<P>()];
+        let number = |k: usize| f32x16::splat(simd, chunk[k].0[lane]);
+        let first = self.stored.motion_at::<P>();
+        xyz(
+            #[inline(always)]
+            |k| {
+                if !MOVES {
+                    return number(k);
+                }
+                let mut speed = number(first + k);
+                if self.stored.is_accelerated() {
+                    speed = Number::mul_add(number(first + 3 + k), phase, speed);
+                }
+                Number::mul_add(speed, phase, number(k))
+            },
+        )
+    }
+
+    /// Shape and weight of blob `lane` of a chunk.
+    #[inline(always)]
+    fn blob<P: Primitive>(&self, chunk: &[Block], lane: usize) -> ([f32; 6], f32) {
         let lane = lane % LANES;
         let chunk = &chunk[..self.stored.blocks_per_chunk::<P>()];
         let shape = match self.stored.shape {
@@ -105,8 +133,7 @@ impl LeafView<'_> {
             Some(constant) => constant,
             None => chunk[self.stored.weight_at::<P>()].0[lane],
         };
-        let center = [chunk[0].0[lane], chunk[1].0[lane], chunk[2].0[lane]];
-        (center, shape, weight)
+        (shape, weight)
     }
 
     /// Where the lanes' segments begin, relative to the leaf's centre.
@@ -132,7 +159,7 @@ impl LeafView<'_> {
     /// Traces the lanes of `mask` through the leaf; returns those that are done.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "one call, inlined")]
-    pub(super) fn trace<S: Simd, K: KernelShape, P: Primitive>(
+    pub(super) fn trace<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         &self,
         simd: S,
         job: &Job,
@@ -148,7 +175,7 @@ impl LeafView<'_> {
         }
         let origin = self.origin(simd, lanes, near);
         let length = far - near;
-        let gathered = self.gather::<S, K, P>(simd, lanes, (mask, origin, length), active);
+        let gathered = self.gather::<S, K, P, MOVES>(simd, lanes, (mask, origin, length), active);
         // The ray starts in a dropped cell, and whether that agrees with what it states is not known.
         let away = near
             .simd_gt(f32x16::splat(simd, job.start_margin))
@@ -210,7 +237,8 @@ impl LeafView<'_> {
                     #[inline(always)]
                     |axis| Number::mul_add(lanes.direction[axis], at, origin[axis]),
                 );
-                let (outward, strongest) = self.gradient::<S, K, P>(simd, active, point);
+                let (outward, strongest) =
+                    self.gradient::<S, K, P, MOVES>(simd, active, point, lanes.phase);
                 let (near, at): ([f32; LANES], [f32; LANES]) = (near.to_array(), at.to_array());
                 for lane in 0..LANES {
                     if crossed >> lane & 1 == 1 {
@@ -228,7 +256,7 @@ impl LeafView<'_> {
     }
 
     #[inline(always)]
-    fn gather<S: Simd, K: KernelShape, P: Primitive>(
+    fn gather<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         &self,
         simd: S,
         lanes: &Lanes<'_, S>,
@@ -241,13 +269,14 @@ impl LeafView<'_> {
         let mut count = 0;
         let per_chunk = self.stored.blocks_per_chunk::<P>();
         active.reserve(self.header.count);
-        let kept = self.cull::<S, P>(simd, lanes, (mask, origin, length), &mut active.kept);
+        let kept = self.cull::<S, P, MOVES>(simd, lanes, (mask, origin, length), &mut active.kept);
         for &slot in &active.kept[..kept] {
             let chunk = &self.chunks[slot as usize / LANES * per_chunk..];
-            let (center, columns, weight) = self.blob::<P>(chunk, slot as usize);
+            let (columns, weight) = self.blob::<P>(chunk, slot as usize);
+            let center = self.center_of::<S, P, MOVES>(simd, chunk, slot as usize, lanes.phase);
             let w = xyz(
                 #[inline(always)]
-                |k| f32x16::splat(simd, center[k]) - origin[k],
+                |k| center[k] - origin[k],
             );
             let mut shape = [zero; 6];
             for k in 0..P::COLUMNS {
@@ -292,11 +321,12 @@ impl LeafView<'_> {
 
     /// −∇F and the strongest blob at one point per lane.
     #[inline(always)]
-    fn gradient<S: Simd, K: KernelShape, P: Primitive>(
+    fn gradient<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         &self,
         simd: S,
         active: &ActiveLanes,
         point: [f32x16<S>; 3],
+        phase: f32x16<S>,
     ) -> ([[f32; LANES]; 3], [u32; LANES]) {
         let zero = f32x16::splat(simd, 0.0);
         let mut sum = [zero; 3];
@@ -306,7 +336,8 @@ impl LeafView<'_> {
         for blob in active.blobs() {
             let slot = blob.slot as usize;
             let chunk = &self.chunks[slot / LANES * per_chunk..];
-            let (center, columns, weight) = self.blob::<P>(chunk, slot);
+            let (columns, weight) = self.blob::<P>(chunk, slot);
+            let center = self.center_of::<S, P, MOVES>(simd, chunk, slot, phase);
             let d = xyz(
                 #[inline(always)]
                 |k| point[k] - center[k],

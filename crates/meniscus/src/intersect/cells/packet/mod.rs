@@ -1,9 +1,9 @@
 //! Up to sixteen coherent rays at once, with lanes for rays.
 //!
 //! Rays whose directions agree in sign meet disjoint cells in the same order, so one walk through the
-//! tree serves them all, and each blob of a leaf is read once for sixteen rays. A lane that needs
-//! more care than stepping offers (a start on the surface that rounding leaves in doubt, a start
-//! inside) is handed back to be traced alone.
+//! tree serves them all, and each blob of a leaf is read once for sixteen rays. Where blobs
+//! move each lane has a time of its own. A lane that needs more care than stepping offers (a start on
+//! the surface that rounding leaves in doubt, a start inside) is handed back to be traced alone.
 
 mod cull;
 mod few;
@@ -75,6 +75,9 @@ struct Lanes<'a, S: Simd> {
     negative: [bool; 3],
     /// Length of the stretches; negative in lanes without a ray.
     length: f32x16<S>,
+    /// Times within the shutter, from −1 to 1, and how far apart they are.
+    phase: f32x16<S>,
+    phases: [f32; 2],
     /// Lanes that were seen on the side on which they are said to start.
     on_stated_side: u32,
 }
@@ -157,7 +160,11 @@ fn trace_groups<S: Simd, K: KernelShape, P: Primitive>(
         rest &= !group;
         if group.count_ones() as usize >= FEWEST {
             let work = (&prepared, group);
-            trace_group::<S, K, P>(simd, (blobs, cells), &job, work, scratch, outcomes);
+            if cells.stored().moves() {
+                trace_group::<S, K, P, true>(simd, (blobs, cells), &job, work, scratch, outcomes);
+            } else {
+                trace_group::<S, K, P, false>(simd, (blobs, cells), &job, work, scratch, outcomes);
+            }
         }
     }
     for (lane, (outcome, ray)) in outcomes.iter_mut().zip(rays).enumerate() {
@@ -176,7 +183,7 @@ fn load3<S: Simd>(simd: S, columns: &[[f32; LANES]; 3]) -> [f32x16<S>; 3] {
 }
 
 #[inline(always)]
-fn trace_group<S: Simd, K: KernelShape, P: Primitive>(
+fn trace_group<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
     simd: S,
     (blobs, cells): (&Blobs, &Cells),
     job: &Job,
@@ -209,13 +216,15 @@ fn trace_group<S: Simd, K: KernelShape, P: Primitive>(
             prepared.inverse[2][leader] < 0.0,
         ],
         length: f32x16::from_slice(simd, &length),
+        phase: f32x16::from_slice(simd, &prepared.phase),
+        phases: prepared.phases(group),
         on_stated_side: prepared.side_is_proven & !prepared.starts_at_t_min,
     };
     let PacketScratch { stack, active } = &mut scratch.cells.packet;
     let counters = &mut scratch.counters;
     let mut leaves_visited = [0; 2];
     let mut seen_leaf = 0;
-    let nodes = visit::visit_leaves(
+    let nodes = visit::visit_leaves::<_, MOVES>(
         simd,
         cells,
         &mut lanes,
@@ -229,7 +238,7 @@ fn trace_group<S: Simd, K: KernelShape, P: Primitive>(
             let in_leaf = u64::from(mask.count_ones());
             leaves_visited[0] += in_leaf;
             leaves_visited[1] += in_leaf * leaf.header.count as u64;
-            leaf.trace::<S, K, P>(
+            leaf.trace::<S, K, P, MOVES>(
                 simd,
                 job,
                 lanes,

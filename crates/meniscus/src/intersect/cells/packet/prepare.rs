@@ -5,6 +5,7 @@ use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::traverse::TINY_COMPONENT;
 use crate::frame::Blobs;
+use crate::intersect::cells::phase as phase_of;
 use crate::math::ray::{Ray, Side};
 use glam::DVec3;
 
@@ -23,6 +24,8 @@ pub(super) struct Prepared {
     per_unit: [f64; LANES],
     /// Lengths of the stretches.
     pub(super) length: [f32; LANES],
+    /// Times within the shutter, from −1 to 1.
+    pub(super) phase: [f32; LANES],
     /// Rays that can hit anything.
     pub(super) traceable: u64,
     /// Lanes whose ray meets the cells' box.
@@ -44,6 +47,12 @@ impl Prepared {
         let mut direction = [[1.0_f64; LANES]; 3];
         let (mut t_min, mut t_max) = ([0.0_f64; LANES], [-1.0_f64; LANES]);
         let mut traceable = 0;
+        let mut phases = [0.0; LANES];
+        if blobs.field.motion.is_some() {
+            for (phase, ray) in phases.iter_mut().zip(rays) {
+                *phase = phase_of(blobs, ray.time);
+            }
+        }
         for (lane, ray) in rays.iter().take(LANES).enumerate() {
             if !ray.is_traceable() {
                 continue;
@@ -119,6 +128,7 @@ impl Prepared {
             t_start: enter,
             per_unit,
             length,
+            phase: phases,
             traceable,
             present,
             starts_at_t_min: starts_at_t_min & present,
@@ -142,12 +152,26 @@ impl Prepared {
                 Side::Inside => true,
                 Side::Outside => false,
                 // The box holds all surface, so outside it the field lies below the threshold.
-                Side::Unknown => at_t_min && blobs.field.side(self.start(lane)) == Side::Inside,
+                Side::Unknown => {
+                    let field = blobs.field.at(ray.time);
+                    at_t_min && field.side(self.start(lane)) == Side::Inside
+                }
             };
             let proven = ray.side == Side::Unknown || (!at_t_min && !inside);
             self.inside |= u32::from(inside) << lane;
             self.side_is_proven |= u32::from(proven) << lane;
         }
+    }
+
+    /// The first and the last of the times of `lanes`, at least one.
+    pub(super) fn phases(&self, lanes: u32) -> [f32; 2] {
+        let mut ends = [f32::INFINITY, f32::NEG_INFINITY];
+        for (lane, &phase) in self.phase.iter().enumerate() {
+            if lanes >> lane & 1 == 1 {
+                ends = [ends[0].min(phase), ends[1].max(phase)];
+            }
+        }
+        ends
     }
 
     fn start(&self, lane: usize) -> DVec3 {

@@ -8,6 +8,7 @@ use super::Lanes;
 use crate::accel::cells::layout::{DEEP, LEAF, Node};
 use crate::accel::cells::traverse::{Level, Octant, STACK};
 use crate::accel::cells::{Cells, Part};
+use crate::math::number::Number;
 use crate::math::simd::xyz;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f32x16, mask32x16};
@@ -62,6 +63,8 @@ struct Beam<S: Simd> {
     inverse_low: [f32x8<S>; 3],
     inverse_high: [f32x8<S>; 3],
     length: f32x8<S>,
+    /// How much of the shutter's time is over for the first and the last of the rays.
+    elapsed: [f32; 2],
 }
 
 impl<S: Simd> Beam<S> {
@@ -75,6 +78,7 @@ impl<S: Simd> Beam<S> {
             inverse_low: [zero; 3],
             inverse_high: [zero; 3],
             length: f32x8::splat(simd, most(simd, mask, lanes.length)),
+            elapsed: lanes.phases.map(elapsed),
         };
         for axis in 0..3 {
             let ends = (
@@ -94,13 +98,25 @@ impl<S: Simd> Beam<S> {
         beam
     }
 
-    /// The children that some ray of the beam may pierce.
+    /// The children that some ray of the beam may pierce; `ends` is a node, followed by that of its boxes
+    /// when the shutter closes where blobs move.
     #[inline(always)]
-    fn pierced(&self, simd: S, node: &Node, octant: &Octant) -> u32 {
+    fn pierced<const MOVES: bool>(&self, simd: S, ends: &[Node], octant: &Octant) -> u32 {
+        let [open, close] = [&ends[0], &ends[ends.len() - 1]];
         let near = xyz(
             #[inline(always)]
             |axis| {
-                let faces = f32x8::from_slice(simd, &node.bounds[octant.near_row[axis]]);
+                let row = octant.near_row[axis];
+                let mut faces = f32x8::from_slice(simd, &open.bounds[row]);
+                if MOVES {
+                    // Those that come first, at whichever time.
+                    let [a, b] = self.faces_at_ends(simd, faces, &close.bounds[row]);
+                    faces = if octant.near_row[axis] > 2 {
+                        a.max(b)
+                    } else {
+                        a.min(b)
+                    };
+                }
                 let way = faces - self.origin_ahead[axis];
                 (way * self.inverse_low[axis]).min(way * self.inverse_high[axis])
             },
@@ -108,7 +124,16 @@ impl<S: Simd> Beam<S> {
         let far = xyz(
             #[inline(always)]
             |axis| {
-                let faces = f32x8::from_slice(simd, &node.bounds[octant.far_row[axis]]);
+                let row = octant.far_row[axis];
+                let mut faces = f32x8::from_slice(simd, &open.bounds[row]);
+                if MOVES {
+                    let [a, b] = self.faces_at_ends(simd, faces, &close.bounds[row]);
+                    faces = if octant.far_row[axis] > 2 {
+                        a.max(b)
+                    } else {
+                        a.min(b)
+                    };
+                }
                 let way = faces - self.origin_behind[axis];
                 (way * self.inverse_low[axis]).max(way * self.inverse_high[axis])
             },
@@ -118,13 +143,25 @@ impl<S: Simd> Beam<S> {
         let far = far[0].min(far[1]).min(far[2].min(self.length));
         near.simd_le(far).to_bitmask() as u32
     }
+
+    /// Faces for the first and for the last of the rays.
+    #[inline(always)]
+    fn faces_at_ends(&self, simd: S, open: f32x8<S>, close: &[f32; 8]) -> [f32x8<S>; 2] {
+        let way = f32x8::from_slice(simd, close) - open;
+        [way * self.elapsed[0] + open, way * self.elapsed[1] + open]
+    }
+}
+
+/// How much of the shutter's time is over at a time from −1 to 1.
+fn elapsed(phase: f32) -> f32 {
+    0.5 + 0.5 * phase
 }
 
 /// Calls `leaf(lanes, part, block, mask, t near, t far)` for the leaves that lanes of `alive` pierce,
 /// from near to far; it returns the lanes that are done. `open` gives the inside of a coarse cell,
 /// or of a deep one of a part. Returns the nodes visited, once per lane that was still under way.
 #[inline(always)]
-pub(super) fn visit_leaves<'a, S: Simd>(
+pub(super) fn visit_leaves<'a, S: Simd, const MOVES: bool>(
     simd: S,
     cells: &'a Cells,
     lanes: &mut Lanes<'_, S>,
@@ -135,6 +172,7 @@ pub(super) fn visit_leaves<'a, S: Simd>(
 ) -> u64 {
     let visits = &mut stack.0;
     let octant = Octant::new(lanes.negative);
+    let per_node = 1 + usize::from(MOVES);
     let beam = Beam::new(simd, lanes, alive);
     let mut nodes_visited = 0;
     let mut level = Level::top(cells);
@@ -148,8 +186,9 @@ pub(super) fn visit_leaves<'a, S: Simd>(
     loop {
         let mut is_leaf = visit.reference & LEAF != 0;
         if is_leaf {
-            let node = &level.nodes[visit.parent as usize];
-            let (near, far) = range_in(simd, lanes, node, &octant, visit.slot as usize);
+            let index = visit.parent as usize;
+            let ends = &level.nodes[index..index + per_node];
+            let (near, far) = range_in::<_, MOVES>(simd, lanes, ends, &octant, visit.slot as usize);
             let mask = near.simd_le(far).to_bitmask() as u32 & alive;
             let part = level.part();
             let index = visit.reference & !(LEAF | DEEP);
@@ -172,8 +211,10 @@ pub(super) fn visit_leaves<'a, S: Simd>(
         }
         if !is_leaf {
             nodes_visited += u64::from(alive.count_ones());
-            let node = &level.nodes[visit.reference as usize];
-            let pierced = beam.pierced(simd, node, &octant);
+            let index = visit.reference as usize;
+            let ends = &level.nodes[index..index + per_node];
+            let node = &ends[0];
+            let pierced = beam.pierced::<MOVES>(simd, ends, &octant);
             let mut rest = pierced;
             while rest != 0 {
                 let slot = rest.trailing_zeros() as usize & 7;
@@ -198,25 +239,33 @@ pub(super) fn visit_leaves<'a, S: Simd>(
 
 /// Where each lane enters and leaves the box of child `slot`.
 #[inline(always)]
-fn range_in<S: Simd>(
+fn range_in<S: Simd, const MOVES: bool>(
     simd: S,
     lanes: &Lanes<'_, S>,
-    node: &Node,
+    ends: &[Node],
     octant: &Octant,
     slot: usize,
 ) -> (f32x16<S>, f32x16<S>) {
     let slot = slot % 8;
+    let face_at = |row: usize| {
+        let open = f32x16::splat(simd, ends[0].bounds[row][slot]);
+        if !MOVES {
+            return open;
+        }
+        let way = f32x16::splat(simd, ends[1].bounds[row][slot]) - open;
+        Number::mul_add(lanes.phase * 0.5 + 0.5, way, open)
+    };
     let near = xyz(
         #[inline(always)]
         |axis| {
-            let face = f32x16::splat(simd, node.bounds[octant.near_row[axis]][slot]);
+            let face = face_at(octant.near_row[axis]);
             (face - lanes.origin[axis]) * lanes.inverse[axis]
         },
     );
     let far = xyz(
         #[inline(always)]
         |axis| {
-            let face = f32x16::splat(simd, node.bounds[octant.far_row[axis]][slot]);
+            let face = face_at(octant.far_row[axis]);
             (face - lanes.origin[axis]) * lanes.inverse[axis]
         },
     );
