@@ -113,7 +113,7 @@ impl BlobField {
             Some(shapes) => Some(shapes),
             None => build.own_supports(&rule, scale)?.map(|own| (own, None)),
         };
-        let mut positions = build.positions();
+        let positions = build.positions();
         let points = point_tree(&positions);
         let spacing = if own.is_none() && matches!(rule, Rule::Estimate) {
             median_spacing_in(&points, &positions)
@@ -129,23 +129,31 @@ impl BlobField {
             ),
         };
         let mut supports = build.stretched(supports);
-        if settings.anisotropy == Anisotropy::Estimate
-            && let Supports::Balls(radii) = &supports
-        {
-            let Estimate { centers, factors } = estimate(&positions, radii, &points);
-            build.moved = Some(centers.clone());
-            positions = Cow::Owned(centers);
-            supports = Supports::Ellipsoids(factors);
-        }
-        if settings.weights == Weights::Volume {
+        let mut weights = (settings.weights == Weights::Volume).then(|| {
             let scales = build.support_scales();
-            let weights = volume_weights(
+            volume_weights(
                 &positions,
                 &supports,
                 scales.as_deref(),
                 settings.kernel,
                 &points,
-            );
+            )
+        });
+        if settings.anisotropy == Anisotropy::Estimate
+            && let Supports::Balls(radii) = &supports
+        {
+            let Estimate { centers, factors } = estimate(&positions, radii, &points);
+            build.moved = Some(centers);
+            let ellipsoids = Supports::Ellipsoids(factors);
+            // The volume of each particle is that of its ball.
+            if let Some(weights) = &mut weights {
+                for (i, weight) in weights.iter_mut().enumerate() {
+                    *weight *= ellipsoids.determinant(i) / supports.determinant(i);
+                }
+            }
+            supports = ellipsoids;
+        }
+        if let Some(weights) = weights {
             build.weights = Some(weights);
             let keep = build.drop_weights("its volume is beyond all others'")?;
             supports.retain(&keep);
