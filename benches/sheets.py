@@ -8,8 +8,8 @@ the same volume; and how far the estimate draws the surface of a full body in. N
 A map of rays crosses each sheet, outward from its middle or its axis. Holes: rays that miss within the
 sheet's outline (in an open crown: misses that are not connected with what lies above the rim), as a
 part of all rays within. Thickness: standard deviation over mean, row by row, holes counted as 0. The
-threshold of the ellipsoids is the one that gives the volume of the balls at T = 0.6. With --out both
-pictures of each sheet are kept.
+ellipsoids have T = 0.6, the balls the threshold that gives them the same volume. With --out both pictures
+of each sheet are kept.
 """
 
 import argparse
@@ -75,6 +75,7 @@ def with_ends(origins, directions, reach):
 class Sheet:
     def __init__(self, words, folder, name, file, radius, rays):
         self.program, self.folder, self.name, self.file = os.path.abspath(words.program), folder, name, file
+        self.radius = radius
         self.options = ["-r", f"{radius:.9f}"]
         self.rays, self.power, self.is_open = rays
 
@@ -111,7 +112,7 @@ class Sheet:
         within = self.within(thickness > 0)
         holes = (within & (thickness <= 0)).sum() / within.sum()
         spread = [row[w].std() / row[w].mean() for row, w in zip(thickness, within) if w.sum() > 30]
-        return holes, np.mean(spread)
+        return holes, np.mean(spread), thickness[within].mean() / (2 * self.radius)
 
     def within(self, is_hit):
         """What lies within the outline: all, or all that is not connected with the outside above."""
@@ -129,12 +130,13 @@ class Sheet:
             outside = grown
 
     def report(self, words, camera):
-        volume = self.volume(BALLS, THRESHOLD)
-        ratio = self.volume(ESTIMATE, THRESHOLD) / volume
-        threshold = self.threshold_of(ESTIMATE, volume)
-        for label, shape, t in [("balls", BALLS, THRESHOLD), ("estimate", ESTIMATE, threshold)]:
-            holes, spread = self.figures(shape, t)
-            print(f"{self.name:8} {label:8} T {t:.3f}: holes {100 * holes:6.3f} %, thickness {spread:.3f}")
+        volume = self.volume(ESTIMATE, THRESHOLD)
+        ratio = volume / self.volume(BALLS, THRESHOLD)
+        threshold = self.threshold_of(BALLS, volume)
+        for label, shape, t in [("balls", BALLS, threshold), ("estimate", ESTIMATE, THRESHOLD)]:
+            holes, spread, mean = self.figures(shape, t)
+            print(f"{self.name:8} {label:8} T {t:.3f}: holes {100 * holes:6.3f} %, thickness {spread:.3f}, "
+                  f"mean {mean:.2f} spacings")
             if words.out:
                 self.run("render", self.file, "-o", f"{words.out}/{self.name}-{label}.png", "-t", t,
                          "--size", "480x360", *self.options, *shape, *camera)
@@ -164,7 +166,7 @@ def main():
         sheet = Sheet(words, folder, "splash", f"{folder}/splash.vtk", radius, axis_rays(160, 900, (0.06, 0.42), 0.75))
         sheet.report(words, [])
         if words.crown:
-            sheet = Sheet(words, folder, "crown", words.crown, 0.02, axis_rays(160, 900, (0.1, 1.4), 2.2))
+            sheet = Sheet(words, folder, "crown", words.crown, 0.02, axis_rays(160, 900, (1.25, 1.6), 1.6))
             sheet.report(words, [])
         points, radius = body(14)
         np.save(f"{folder}/body.npy", points)

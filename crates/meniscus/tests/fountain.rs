@@ -9,19 +9,21 @@ use meniscus::math::DVec3;
 use meniscus::math::ray::Ray;
 use meniscus::particles::between::{BetweenSettings, Identity, Moment, Pair};
 use meniscus::particles::{Column, Particles, Role};
-use meniscus::scene::generate::Generator;
+use meniscus::scene::generate::{FRAMES_PER_SECOND, Generator};
 use meniscus::scene::{BlobSettings, Scene, Surface, Weights};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 const COUNT: usize = 3000;
-const FRAME_SECS: f64 = 0.04;
+/// The pictures of a generator that lie between two frames here, which are so far apart.
+const STEPS: u32 = 4;
+const FRAME_SECS: f64 = STEPS as f64 / FRAMES_PER_SECOND;
 const GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 /// Metres per second that a column of f32 rounds 6.4 m/s to.
 const VELOCITY_ERROR: f64 = 3e-7;
 
-fn fountain(time_secs: f64) -> Particles {
-    let generated = Generator::Fountain.generate(COUNT, 5, Some(time_secs));
+fn fountain(picture: u32) -> Particles {
+    let generated = Generator::Fountain.generate(COUNT, 5, Some(picture));
     generated.unwrap().particles
 }
 
@@ -43,23 +45,23 @@ fn velocity(particles: &Particles, row: usize) -> DVec3 {
 
 #[test]
 fn between_frames_every_particle_is_on_its_parabola() {
-    let start = 1.0;
-    let moment = |frame: i32| Moment {
+    let start = 30;
+    let moment = |frame: u32| Moment {
         name: format!("frame {frame}"),
-        particles: Arc::new(fountain(start + f64::from(frame) * FRAME_SECS)),
+        particles: Arc::new(fountain(start + frame * STEPS)),
         time: f64::from(frame) * FRAME_SECS,
     };
-    let [before, earlier, later, after] = [-1, 0, 1, 2].map(moment);
+    let [before, earlier, later, after] = [0, 1, 2, 3].map(moment);
     let settings = BetweenSettings {
         identity: Identity::Ids,
         velocity_scale: 1.0,
     };
     let pair = Pair::new(Some(&before), &earlier, &later, Some(&after), &settings).unwrap();
     assert_eq!(pair.fitting_velocity_scale(), None);
-    for step in 0..=8 {
-        let fraction = f64::from(step) / 8.0;
+    for step in 0..=STEPS {
+        let fraction = f64::from(step) / f64::from(STEPS);
         let found = pair.at(fraction);
-        let expected = fountain(start + fraction * FRAME_SECS);
+        let expected = fountain(start + STEPS + step);
         let rows: HashMap<u64, usize> = ids(&expected).into_iter().zip(0..).collect();
         let scales = found.role(Role::SupportScale);
         let (mut whole, mut partly) = (0, 0);
@@ -82,7 +84,7 @@ fn between_frames_every_particle_is_on_its_parabola() {
             whole += usize::from(scale == 1.0);
         }
         assert!(whole > COUNT * 9 / 10, "{whole}");
-        assert!(partly > 5 || step == 0 || step == 8, "{partly}");
+        assert!(partly > 5 || step == 0 || step == STEPS, "{partly}");
     }
 }
 
@@ -112,8 +114,8 @@ fn frame(particles: &Particles, shutter_secs: [f64; 2], engine: Engine) -> Frame
 
 #[test]
 fn rays_meet_particles_where_the_closed_form_has_them() {
-    let particles = fountain(0.7);
-    let half = 0.5 * FRAME_SECS;
+    let particles = fountain(18);
+    let half = 0.02;
     let scale = 4.0 * 0.024;
     for engine in [Engine::Cells, Engine::Particles, Engine::Interval] {
         let moving = frame(&particles, [-half, half], engine);
@@ -159,7 +161,7 @@ fn rays_meet_particles_where_the_closed_form_has_them() {
 
 #[test]
 fn velocities_in_other_units_need_their_factor() {
-    let mut particles = fountain(0.7);
+    let mut particles = fountain(18);
     for column in &mut particles.columns {
         if column.components == 3 {
             let scaled: Vec<f32> = (0..column.data.len())
@@ -174,7 +176,7 @@ fn velocities_in_other_units_need_their_factor() {
         let built = BlobField::from_moving_particles(particles, &settings, shutter, scale);
         built.unwrap().field.motion.unwrap()
     };
-    let (scaled, own) = (field(&particles, 1e-3), field(&fountain(0.7), 1.0));
+    let (scaled, own) = (field(&particles, 1e-3), field(&fountain(18), 1.0));
     for (a, b) in scaled.velocities.iter().zip(&own.velocities) {
         for k in 0..3 {
             assert!((a[k] - b[k]).abs() <= 2e-6, "{a:?} {b:?}");

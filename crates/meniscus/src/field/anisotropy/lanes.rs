@@ -188,8 +188,8 @@ impl<S: Simd> Turning<S> {
         let tangent = tangent.max(zero - one).min(one);
         let cosine = one / tangent.mul_add(tangent, one).sqrt();
         let sine = tangent * cosine;
-        self.values[P] = self.values[P] - tangent * off;
-        self.values[Q] = self.values[Q] + tangent * off;
+        self.values[P] -= tangent * off;
+        self.values[Q] += tangent * off;
         self.off[R] = zero;
         let (pr, qr) = (self.off[Q], self.off[P]);
         self.off[Q] = cosine * pr - sine * qr;

@@ -63,9 +63,11 @@ pub(super) fn read(bytes: &[u8], frame: usize) -> Result<Parsed, ParseError> {
             if frames == frame {
                 let is_same = |other: &[u8]| line.get(IDENTITY) == other.get(IDENTITY);
                 match last {
-                    Some((other, at)) if is_same(other) => {
-                        at.map(|at| atoms.displace(at, displacements(line)));
+                    Some((other, Some(at))) if is_same(other) => {
+                        atoms.displace(at, displacements(line));
                     }
+                    // Its atom was left out.
+                    Some((other, None)) if is_same(other) => {}
                     _ => lost += 1,
                 }
             }
