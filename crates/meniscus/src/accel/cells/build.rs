@@ -8,6 +8,7 @@ use super::list::BlobList;
 use super::moving::{drift, pieces_for, widening};
 use super::place::Place;
 use crate::kernel::KernelShape;
+use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
 use fearless_simd::Simd;
 use glam::Vec3;
@@ -22,8 +23,8 @@ pub struct BuildRule {
     pub few_side: f32,
     /// A cell below this side is a leaf however many blobs it has.
     pub smallest_side: f32,
-    /// A cell below `few_side` whose field at the centre is this many times the threshold probably is
-    /// solid: it is put off, and when a ray comes split down to `smallest_side`.
+    /// A cell whose field is this many times the threshold at points `few_side` apart probably is solid:
+    /// it is put off, and when a ray comes split down to `smallest_side`.
     pub deep: f32,
 }
 
@@ -161,17 +162,42 @@ fn next_step<S: Simd, K: KernelShape, P: Primitive>(
     {
         return Step::Finish;
     }
-    if side >= rule.few_side * support {
-        return Step::Split;
-    }
-    let value = filter::field_value::<S, K, P>(simd, list, middle.center());
-    if value >= rule.deep * context.threshold {
+    let few_side = rule.few_side * support;
+    if seems_deep::<S, K, P>(simd, list, middle, few_side, context) {
         Step::PutOff
-    } else if list.count <= rule.few_blobs {
+    } else if side < few_side && list.count <= rule.few_blobs {
         Step::Finish
     } else {
         Step::Split
     }
+}
+
+/// Points along each axis that are looked at to tell whether a cell lies deep; larger cells never do.
+const MOST_PROBES: usize = 8;
+
+/// Whether the field is far above the threshold at points spread over a cell, no farther apart than
+/// `distance`.
+fn seems_deep<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
+    list: &BlobList,
+    cell: Aabb,
+    distance: f32,
+    context: &BuildContext,
+) -> bool {
+    let size = cell.size();
+    if context.rule.deep.is_infinite() || size.max_element() > MOST_PROBES as f32 * distance {
+        return false;
+    }
+    let [nx, ny, nz] = size.to_array().map(|side| (side / distance) as usize + 1);
+    (0..nx * ny * nz).all(|probe| {
+        let place = [probe % nx, probe / nx % ny, probe / (nx * ny)];
+        let mut point = cell.min;
+        for (axis, count) in [nx, ny, nz].into_iter().enumerate() {
+            point[axis] += size[axis] * (place[axis] as f32 + 0.5) / count as f32;
+        }
+        let value = filter::field_value::<S, K, P>(simd, list, point);
+        value >= context.rule.deep * context.threshold
+    })
 }
 
 /// Splits in a row that shortened neither half's list.
@@ -224,6 +250,9 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
         list: &mut BlobList,
         depth: u32,
     ) -> Option<Built> {
+        // Whoever comes to a cell that lies deep as a whole wants its inside.
+        self.leave_deep &=
+            next_step::<S, K, P>(simd, list, &cell, (0, depth), self.context) != Step::PutOff;
         let root = self.subtree(simd, cell, list, 0, depth)?;
         Some(Built {
             root,
