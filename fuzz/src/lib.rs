@@ -3,6 +3,7 @@
 use meniscus::frame::MeshSurface;
 use meniscus::mesh::{self, MeshFormat};
 use meniscus::particles::io::{Format, Parsed, parse};
+use meniscus::particles::trajectory::{Trajectory, TrajectoryFormat};
 use std::io::Write;
 use std::path::Path;
 
@@ -58,6 +59,29 @@ pub fn read_mesh(format: MeshFormat, bytes: &[u8]) {
             assert!(!surface.triangles.is_empty());
             let in_range = |&corner: &u32| (corner as usize) < surface.vertices.len();
             assert!(surface.triangles.iter().flatten().all(in_range));
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    });
+}
+
+/// Indexes a trajectory and reads its first and its last frame, if its head is one's.
+pub fn read_trajectory(bytes: &[u8]) {
+    if TrajectoryFormat::detect(&bytes[..bytes.len().min(16)]).is_none() {
+        return;
+    }
+    as_file(bytes, |path| match Trajectory::open(path) {
+        Ok(trajectory) => {
+            assert!(trajectory.len() > 0);
+            for frame in [0, trajectory.len() - 1, trajectory.len()] {
+                match trajectory.read(frame) {
+                    Ok(moment) => {
+                        assert_eq!(moment.positions.len(), trajectory.atoms());
+                        let velocities = moment.velocities.iter();
+                        assert!(velocities.map(Vec::len).all(|n| n == trajectory.atoms()));
+                    }
+                    Err(error) => assert!(!error.to_string().is_empty()),
+                }
+            }
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     });

@@ -23,10 +23,26 @@ pub(crate) struct SurfaceArgs {
     /// [default: a column named metric, if there is one]
     #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
     pub metric: Option<String>,
-    /// Shapes of supports that no column gives: none, or estimate them from the neighbours, which makes
-    /// thin sheets whole and flat [default: none]
+    /// Column with the three radii of ellipsoids along their axes; with --axes, --orientation or neither.
+    /// This and the next three may be several columns, as in u,v,w
+    #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
+    pub radii: Option<String>,
+    /// Columns with the axes of ellipsoids, three vectors; without radii their lengths are the radii
+    #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
+    pub axes: Option<String>,
+    /// Column with the quaternion x y z w that turns ellipsoids with radii
+    #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
+    pub orientation: Option<String>,
+    /// Column with the deformation gradient, row by row, that stretches supports
+    #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
+    pub deformation: Option<String>,
+    /// Where shapes of supports come from: columns of usual names (auto), none, the neighbours (estimate),
+    /// which makes thin sheets whole and flat, or thermal ellipsoids of atoms (thermal) [default: auto]
     #[arg(long, value_name = "HOW")]
     pub anisotropy: Option<String>,
+    /// Probability of thermal ellipsoids [default: 0.5]
+    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    pub probability: Option<f64>,
     /// R over the radius with volume weights [default: 4]
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     pub smoothing: Option<f64>,

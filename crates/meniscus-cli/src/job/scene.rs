@@ -24,10 +24,32 @@ pub(crate) fn apply_surface(args: &SurfaceArgs, scene: &mut Scene) -> Outcome {
     let kernel = args.kernel.as_deref().map(kernel).transpose()?;
     let anisotropy = args.anisotropy.as_deref().map(anisotropy).transpose()?;
     for surface in &mut scene.surfaces {
+        apply_shape(args, anisotropy, surface);
         apply_to_surface(args, kernel, surface);
-        surface.anisotropy = anisotropy.or(surface.anisotropy);
     }
     Ok(())
+}
+
+/// Options that say where shapes come from take the place of all that the scene says about it.
+fn apply_shape(args: &SurfaceArgs, anisotropy: Option<Anisotropy>, surface: &mut Surface) {
+    surface.probability = args.probability.or(surface.probability);
+    let columns = [
+        &args.metric,
+        &args.radii,
+        &args.axes,
+        &args.orientation,
+        &args.deformation,
+    ];
+    if anisotropy.is_none() && columns.iter().all(|column| column.is_none()) {
+        return;
+    }
+    surface.anisotropy = anisotropy;
+    let [metric, radii, axes, orientation, deformation] = columns.map(Clone::clone);
+    surface.metric = metric;
+    surface.radii = radii;
+    surface.axes = axes;
+    surface.orientation = orientation;
+    surface.deformation = deformation;
 }
 
 fn apply_to_surface(args: &SurfaceArgs, kernel: Option<Kernel>, surface: &mut Surface) {
@@ -38,9 +60,6 @@ fn apply_to_surface(args: &SurfaceArgs, kernel: Option<Kernel>, surface: &mut Su
     if args.support.is_some() {
         surface.support = args.support;
         surface.radius = None;
-    }
-    if args.metric.is_some() {
-        surface.metric.clone_from(&args.metric);
     }
     surface.smoothing = args.smoothing.or(surface.smoothing);
     surface.threshold = args.threshold.or(surface.threshold);

@@ -14,4 +14,5 @@ mod options;
 mod render;
 mod run;
 mod sequence;
+mod shapes;
 mod trace;

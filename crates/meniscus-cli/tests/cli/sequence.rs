@@ -323,6 +323,11 @@ fn watching_ends_when_nothing_comes() {
         2,
         &["--watch-timeout"],
     );
+    for other in ["--slow-motion 2", "--turntable 4"] {
+        let both = format!("render 'w_{{}}.vtk' --watch {other} -o 'z_{{}}.png' {TINY}");
+        let option = other.split(' ').next().unwrap_or_default();
+        folder.fails(&both, 2, &["--watch", option, "do not go together"]);
+    }
     folder.fails(
         &format!("render 'no/w_{{}}.vtk' --watch -o 'z_{{}}.png' {TINY}"),
         1,

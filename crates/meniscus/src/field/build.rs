@@ -1,7 +1,7 @@
 //! From particles and settings to a packed field.
 
 use super::anisotropy::{Estimate, estimate};
-use super::metric::{self, MetricOrder};
+use super::shape::Form;
 use super::supports::{Rule, Supports, positive, retain};
 use super::weights::volume_weights;
 use super::{BlobField, FieldError, FieldReport};
@@ -59,6 +59,10 @@ pub(super) struct Build<'a> {
     pub(super) filtered: usize,
     pub(super) dropped: Vec<Dropped>,
     pub(super) weights: Option<Vec<f64>>,
+    /// Factors for a support radius of 1 that stretch the supports, where the file says so.
+    pub(super) stretch: Option<Vec<[f64; 6]>>,
+    /// What else a user should know, a sentence each.
+    pub(super) notes: Vec<String>,
     /// Where they count as standing instead, once that is known.
     pub(super) moved: Option<Vec<DVec3>>,
 }
@@ -94,49 +98,62 @@ impl BlobField {
         velocity_scale: f64,
     ) -> Result<FieldBuild, FieldError> {
         positive("threshold", settings.threshold)?;
+        let form = Form::choose(particles, settings)?;
         let rule = Rule::choose(particles, settings)?;
-        let scale = match rule {
-            Rule::Support(_) | Rule::Metric(_) => 1.0,
-            Rule::Radius(_) | Rule::Column(_) | Rule::Elements(_) | Rule::Estimate => {
-                Rule::support_per_radius(settings)?
-            }
+        let scale = match (&form, &rule) {
+            (Form::Metric(_), _) | (_, Rule::Support(_)) => 1.0,
+            _ => Rule::support_per_radius(settings)?,
         };
         let mut build = Build::filtered(particles, settings)?;
         build.drop_positions()?;
         build.drop_absent()?;
         build.column_weights(&settings.weights)?;
-        let own = build.own_supports(&rule, scale)?;
-        let mut positions = build.positions();
-        let points = point_tree(&positions);
-        let spacing = match rule {
-            Rule::Estimate => median_spacing_in(&points, &positions),
-            // No more than a scale for tolerances.
-            _ => typical_spacing_in(&points, &positions),
+        let shapes = build.shapes(&form, scale, settings.probability)?;
+        let own = match shapes {
+            Some(shapes) => Some(shapes),
+            None => build.own_supports(&rule, scale)?.map(|own| (own, None)),
         };
-        let (mut supports, order) = match own {
+        let positions = build.positions();
+        let points = point_tree(&positions);
+        let spacing = if own.is_none() && matches!(rule, Rule::Estimate) {
+            median_spacing_in(&points, &positions)
+        } else {
+            // No more than a scale for tolerances.
+            typical_spacing_in(&points, &positions)
+        };
+        let (supports, order) = match own {
             Some((supports, order)) => (supports, order),
             None => (
                 common_support(&rule, scale, spacing, positions.len())?,
                 None,
             ),
         };
-        if settings.anisotropy == Anisotropy::Estimate
-            && let Supports::Balls(radii) = &supports
-        {
-            let Estimate { centers, factors } = estimate(&positions, radii, &points);
-            build.moved = Some(centers.clone());
-            positions = Cow::Owned(centers);
-            supports = Supports::Ellipsoids(factors);
-        }
-        if settings.weights == Weights::Volume {
+        let mut supports = build.stretched(supports);
+        let mut weights = (settings.weights == Weights::Volume).then(|| {
             let scales = build.support_scales();
-            let weights = volume_weights(
+            volume_weights(
                 &positions,
                 &supports,
                 scales.as_deref(),
                 settings.kernel,
                 &points,
-            );
+            )
+        });
+        if settings.anisotropy == Anisotropy::Estimate
+            && let Supports::Balls(radii) = &supports
+        {
+            let Estimate { centers, factors } = estimate(&positions, radii, &points);
+            build.moved = Some(centers);
+            let ellipsoids = Supports::Ellipsoids(factors);
+            // The volume of each particle is that of its ball.
+            if let Some(weights) = &mut weights {
+                for (i, weight) in weights.iter_mut().enumerate() {
+                    *weight *= ellipsoids.determinant(i) / supports.determinant(i);
+                }
+            }
+            supports = ellipsoids;
+        }
+        if let Some(weights) = weights {
             build.weights = Some(weights);
             let keep = build.drop_weights("its volume is beyond all others'")?;
             supports.retain(&keep);
@@ -147,7 +164,8 @@ impl BlobField {
         let (least, largest) = supports.range();
         let are_similar = largest <= SIMILAR_SUPPORTS * least && supports.len() == positions.len();
         let motion = build.motion(shutter_secs, velocity_scale)?;
-        let mut built = build.pack(settings, supports, rule.source(order), spacing)?;
+        let source = form.source(order).unwrap_or_else(|| rule.source());
+        let mut built = build.pack(settings, supports, source, spacing)?;
         built.field.motion = motion;
         if are_similar {
             built.field.adopt_tree(&points);
@@ -172,6 +190,8 @@ impl<'a> Build<'a> {
             kept,
             dropped: Vec::new(),
             weights: None,
+            stretch: None,
+            notes: Vec::new(),
             moved: None,
         })
     }
@@ -204,6 +224,9 @@ impl<'a> Build<'a> {
             retain(&mut self.kept, keep);
             if let Some(weights) = &mut self.weights {
                 retain(weights, keep);
+            }
+            if let Some(stretch) = &mut self.stretch {
+                retain(stretch, keep);
             }
             if let Some(moved) = &mut self.moved {
                 retain(moved, keep);
@@ -269,7 +292,7 @@ impl<'a> Build<'a> {
         &mut self,
         rule: &Rule<'_>,
         scale: f64,
-    ) -> Result<Option<(Supports, Option<MetricOrder>)>, FieldError> {
+    ) -> Result<Option<Supports>, FieldError> {
         match rule {
             Rule::Column(column) => {
                 let radii = self.kept.iter().map(|&i| column.get(i as usize, 0) * scale);
@@ -277,19 +300,12 @@ impl<'a> Build<'a> {
                 let keep: Vec<bool> = supports.iter().map(|&r| in_range(r)).collect();
                 self.drop_unless(&keep, "its radius is not a positive number")?;
                 retain(&mut supports, &keep);
-                Ok(Some((Supports::Balls(supports), None)))
+                Ok(Some(Supports::Balls(supports)))
             }
             Rule::Elements(numbers) => {
                 let radius = |&i: &u32| atom_radius(numbers.get(i as usize, 0)) * scale;
                 let supports = self.kept.iter().map(radius).collect();
-                Ok(Some((Supports::Balls(supports), None)))
-            }
-            Rule::Metric(column) => {
-                let (factors, order) = metric::factors(column, &self.kept)?;
-                let keep: Vec<bool> = factors.iter().map(Option::is_some).collect();
-                self.drop_unless(&keep, "its metric is not positive definite")?;
-                let factors = factors.into_iter().flatten().collect();
-                Ok(Some((Supports::Ellipsoids(factors), Some(order))))
+                Ok(Some(Supports::Balls(supports)))
             }
             Rule::Support(_) | Rule::Radius(_) | Rule::Estimate => Ok(None),
         }
@@ -306,7 +322,7 @@ fn common_support(
     let (name, radius) = match rule {
         Rule::Support(support) => ("support", *support),
         Rule::Radius(radius) => ("radius", *radius),
-        Rule::Estimate | Rule::Column(_) | Rule::Elements(_) | Rule::Metric(_) => {
+        Rule::Estimate | Rule::Column(_) | Rule::Elements(_) => {
             ("radius", 0.5 * spacing.ok_or(FieldError::NoRadius)?)
         }
     };
@@ -331,6 +347,6 @@ pub(super) fn atomic_number_of(value: f64) -> u8 {
 }
 
 /// Whether f32 holds `size` and its square's inverse well.
-fn in_range(size: f64) -> bool {
+pub(super) fn in_range(size: f64) -> bool {
     (1.0 / LARGEST_COORDINATE..=LARGEST_COORDINATE).contains(&size)
 }

@@ -27,6 +27,9 @@ pub enum FieldError {
         /// Another.
         second: &'static str,
     },
+    /// A quaternion turns what has radii.
+    #[error("--orientation turns ellipsoids and needs their three radii; give --radii COLUMN")]
+    OrientationNeedsRadii,
     /// With unit or column weights a lone particle reaches 1 at most.
     #[error(
         "threshold {threshold} with weights {weights}: no particle alone reaches 1 or more, so the radius \

@@ -8,23 +8,24 @@ mod build;
 mod colors;
 mod error;
 mod evaluate;
-mod metric;
 mod motion;
 mod pack;
 mod presence;
 mod rates;
 mod report;
 mod search;
+mod shape;
 mod supports;
 mod weights;
 
 pub use build::{FieldBuild, LARGEST_COORDINATE};
 pub use error::FieldError;
 pub use evaluate::Contribution;
-pub use metric::MetricOrder;
+
 pub use motion::{FieldAt, Motion};
 pub use report::{FieldReport, SupportSource};
 pub use search::Search;
+pub use shape::metric::MetricOrder;
 
 use crate::kernel::Kernel;
 use crate::math::aabb::Aabb;

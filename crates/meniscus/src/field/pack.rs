@@ -44,7 +44,12 @@ impl Build<'_> {
             support_min,
             support_max,
             support_source,
-            warnings: self.dropped.iter().map(|d| d.sentence()).collect(),
+            warnings: self
+                .dropped
+                .iter()
+                .map(|d| d.sentence())
+                .chain(self.notes.iter().cloned())
+                .collect(),
         };
         let largest = positions
             .par_iter()
@@ -129,7 +134,10 @@ fn notes(report: &FieldReport, largest: f64) -> Vec<String> {
              --radius sets another"
                 .to_owned(),
         ),
-        SupportSource::Support | SupportSource::Radius | SupportSource::Column(_) => {}
+        SupportSource::Support
+        | SupportSource::Radius
+        | SupportSource::Column(_)
+        | SupportSource::Ellipsoids(_) => {}
     }
     // Half a unit in the last place of the largest local coordinate.
     let rounding = largest * f64::from(f32::EPSILON) * 0.5;

@@ -1,6 +1,6 @@
 //! What a user should know about a field that was built.
 
-use super::metric::MetricOrder;
+use super::MetricOrder;
 
 /// Where the supports came from.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +18,8 @@ pub enum SupportSource {
         /// How its components are ordered.
         order: MetricOrder,
     },
+    /// Columns of radii, axes, orientations or displacements of ellipsoids.
+    Ellipsoids(String),
     /// Van der Waals radii in ångström, by the column of atomic numbers.
     Elements,
     /// Half the median distance of nearest neighbours.

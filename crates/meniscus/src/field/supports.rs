@@ -1,6 +1,5 @@
 //! How far each particle reaches: the support rule.
 
-use super::metric;
 use super::{FieldError, SupportSource};
 use crate::math::aabb::DAabb;
 use crate::particles::{Particles, Role};
@@ -96,8 +95,6 @@ pub(super) enum Rule<'a> {
     Radius(f64),
     /// A column of radii.
     Column(crate::particles::Attribute<'a>),
-    /// A column of metrics.
-    Metric(crate::particles::Attribute<'a>),
     /// Atomic numbers, whose van der Waals radii in ångström are taken.
     Elements(crate::particles::Attribute<'a>),
     /// Half the spacing for all.
@@ -110,28 +107,11 @@ impl<'a> Rule<'a> {
         particles: &'a Particles,
         settings: &BlobSettings,
     ) -> Result<Self, FieldError> {
-        let given = [
-            ("--radius", settings.radius.is_some()),
-            ("--support", settings.support.is_some()),
-            ("--metric", settings.metric.is_some()),
-        ];
-        let mut given = given
-            .iter()
-            .filter(|(_, given)| *given)
-            .map(|(name, _)| *name);
-        if let (Some(first), Some(second)) = (given.next(), given.next()) {
-            return Err(FieldError::Conflict { first, second });
-        }
         if let Some(support) = settings.support {
             return positive("support", support).map(Self::Support);
         }
         if let Some(radius) = settings.radius {
             return positive("radius", radius).map(Self::Radius);
-        }
-        if let Some(name) = &settings.metric {
-            let what = "metric";
-            let missing = |missing| FieldError::Missing { what, missing };
-            return particles.attribute(name).map(Self::Metric).map_err(missing);
         }
         // Where weights are not volumes a radius is the surface of a lone particle, which is what a
         // van der Waals radius means.
@@ -141,9 +121,8 @@ impl<'a> Rule<'a> {
             numbers.filter(|numbers| has_atoms && numbers.components() == 1)
         };
         Ok(particles
-            .role(Role::Metric)
-            .map(Self::Metric)
-            .or_else(|| particles.role(Role::Radius).map(Self::Column))
+            .role(Role::Radius)
+            .map(Self::Column)
             .or_else(|| elements().map(Self::Elements))
             .unwrap_or(Self::Estimate))
     }
@@ -162,19 +141,13 @@ impl<'a> Rule<'a> {
     }
 
     /// What the report says.
-    pub(super) fn source(&self, order: Option<metric::MetricOrder>) -> SupportSource {
-        match (self, order) {
-            (Self::Support(_), _) => SupportSource::Support,
-            (Self::Radius(_), _) => SupportSource::Radius,
-            (Self::Elements(_), _) => SupportSource::Elements,
-            (Self::Estimate, _) => SupportSource::Estimate,
-            (Self::Metric(column), Some(order)) => SupportSource::Metric {
-                column: column.name().to_owned(),
-                order,
-            },
-            (Self::Column(column) | Self::Metric(column), _) => {
-                SupportSource::Column(column.name().to_owned())
-            }
+    pub(super) fn source(&self) -> SupportSource {
+        match self {
+            Self::Support(_) => SupportSource::Support,
+            Self::Radius(_) => SupportSource::Radius,
+            Self::Elements(_) => SupportSource::Elements,
+            Self::Estimate => SupportSource::Estimate,
+            Self::Column(column) => SupportSource::Column(column.name().to_owned()),
         }
     }
 }

@@ -7,5 +7,6 @@ pub mod number;
 pub mod ray;
 pub mod sampling;
 pub mod simd;
+pub mod symmetric;
 
 pub use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};

@@ -50,6 +50,12 @@ impl<'a> Attribute<'a> {
         Self::new(&column.name, sources)
     }
 
+    /// With the first component behind the others.
+    pub(super) fn rotated_left(mut self) -> Self {
+        self.sources.rotate_left(1);
+        self
+    }
+
     pub(super) fn scaled(self, factor: f64) -> Self {
         Self {
             scale: self.scale * factor,
@@ -63,6 +69,14 @@ impl<'a> Attribute<'a> {
             Source::Axis(..) => None,
             Source::Column(column, _) => Some(column),
         }
+    }
+
+    /// The columns that the components come from.
+    pub fn columns(&self) -> impl Iterator<Item = &'a Column> {
+        self.sources.iter().filter_map(|source| match *source {
+            Source::Axis(..) => None,
+            Source::Column(column, _) => Some(column),
+        })
     }
 
     /// The name: what was asked for, or the column that plays the role.
@@ -285,20 +299,30 @@ impl Particles {
                     .iter()
                     .map(|suffix| format!("{name}{separator}{suffix}"))
                     .collect();
-                self.scalars(name, &names)
+                self.together(name, &names, 1)
             })
         })
     }
 
-    pub(super) fn scalars<S: AsRef<str>>(&self, name: &str, names: &[S]) -> Option<Attribute<'_>> {
-        let sources = names
+    /// Columns of `components` each as one attribute, one behind the other.
+    pub(super) fn together<S: AsRef<str>>(
+        &self,
+        name: &str,
+        names: &[S],
+        components: usize,
+    ) -> Option<Attribute<'_>> {
+        let columns = names
             .iter()
             .map(|name| {
                 let column = self.column(name.as_ref())?;
-                (column.components == 1).then_some(Source::Column(column, 0))
+                (column.components == components).then_some(column)
             })
             .collect::<Option<Vec<_>>>()?;
-        Some(Attribute::new(name, sources))
+        let each = |column| (0..components).map(move |component| Source::Column(column, component));
+        Some(Attribute::new(
+            name,
+            columns.into_iter().flat_map(each).collect(),
+        ))
     }
 
     fn missing(&self, name: &str) -> MissingColumn {

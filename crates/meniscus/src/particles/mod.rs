@@ -9,12 +9,14 @@ pub mod io;
 pub mod neighbours;
 pub mod roles;
 pub mod sequence;
+pub mod several;
 pub mod spacing;
 pub mod trajectory;
 
 pub use attribute::{Attribute, MissingColumn};
 pub use column::{Column, ColumnData};
 pub use roles::Role;
+pub use several::Several;
 
 use glam::DVec3;
 

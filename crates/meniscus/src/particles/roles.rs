@@ -1,6 +1,8 @@
 //! Which columns mean what: radius, velocity, … under the names that files usually give them.
 //!
-//! To teach a new name: one entry in `Role::usual`.
+//! To teach a new name: one entry in `usual.rs`.
+
+mod usual;
 
 use super::{Attribute, ColumnData, Particles};
 
@@ -19,29 +21,36 @@ pub enum Role {
     Color,
     /// The metric M of an ellipsoid's q = dᵀMd; six components or nine.
     Metric,
+    /// Radii of an ellipsoid along its axes, in the file's unit; three components.
+    Radii,
+    /// Axes of an ellipsoid, three vectors of three components; where no radii are given their lengths
+    /// are the radii.
+    Axes,
+    /// A unit quaternion that turns the particle's own axes into those of space; x, y, z, w.
+    Orientation,
+    /// The deformation gradient F, row by row; nine components.
+    Deformation,
+    /// Anisotropic displacements U of an atom, in the file's unit squared; six components: U₁₁ U₂₂ U₃₃
+    /// U₁₂ U₁₃ U₂₃.
+    Displacements,
     /// How much of its support a particle has, 0 to 1: one that comes or goes; one component.
     SupportScale,
 }
 
-/// The usual names of one role.
-struct Usual {
-    /// How many components a column may have to play the role.
-    components: &'static [usize],
-    /// Names of whole columns, the preferred first, with the factor that turns them into the role.
-    columns: &'static [(&'static str, f64)],
-    /// Names of scalar columns that play the role together.
-    groups: &'static [&'static [&'static str]],
-}
-
 impl Role {
     /// Every role.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 12] = [
         Self::Radius,
         Self::Velocity,
         Self::Acceleration,
         Self::Id,
         Self::Color,
         Self::Metric,
+        Self::Radii,
+        Self::Axes,
+        Self::Orientation,
+        Self::Deformation,
+        Self::Displacements,
         Self::SupportScale,
     ];
 
@@ -54,6 +63,11 @@ impl Role {
             Self::Id => "id",
             Self::Color => "color",
             Self::Metric => "metric",
+            Self::Radii => "radii",
+            Self::Axes => "axes",
+            Self::Orientation => "orientation",
+            Self::Deformation => "deformation_gradient",
+            Self::Displacements => "anisou",
             Self::SupportScale => "support_scale",
         }
     }
@@ -62,114 +76,18 @@ impl Role {
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|role| role.name() == name)
     }
+}
 
-    /// Where names are ambiguous: Houdini's `pscale` is a radius; `size` and `scale` may be radii or
-    /// diameters and `h` or `smoothing_length` a support, so none of them counts; `u v w` count as a
-    /// velocity only when all three are there; `F` (a deformation gradient) is no metric.
-    fn usual(self) -> Usual {
-        match self {
-            Self::Radius => Usual {
-                components: &[1],
-                columns: &[
-                    ("radius", 1.0),
-                    ("pscale", 1.0),
-                    ("particle_radius", 1.0),
-                    ("ParticleRadius", 1.0),
-                    ("radii", 1.0),
-                    ("diameter", 0.5),
-                ],
-                groups: &[],
-            },
-            Self::Velocity => Usual {
-                components: &[3],
-                columns: &[
-                    ("velocity", 1.0),
-                    ("velocities", 1.0),
-                    ("vel", 1.0),
-                    ("v", 1.0),
-                ],
-                groups: &[
-                    &["vx", "vy", "vz"],
-                    &["v_x", "v_y", "v_z"],
-                    &["velocity_x", "velocity_y", "velocity_z"],
-                    &["velocityX", "velocityY", "velocityZ"],
-                    &["vel_x", "vel_y", "vel_z"],
-                    &["velx", "vely", "velz"],
-                    &["u", "v", "w"],
-                ],
-            },
-            Self::Acceleration => Usual {
-                components: &[3],
-                columns: &[
-                    ("acceleration", 1.0),
-                    ("accelerations", 1.0),
-                    ("accel", 1.0),
-                    ("acc", 1.0),
-                    ("a", 1.0),
-                ],
-                groups: &[
-                    &["ax", "ay", "az"],
-                    &["a_x", "a_y", "a_z"],
-                    &["acceleration_x", "acceleration_y", "acceleration_z"],
-                    &["accelerationX", "accelerationY", "accelerationZ"],
-                    &["accel_x", "accel_y", "accel_z"],
-                    &["acc_x", "acc_y", "acc_z"],
-                    &["au", "av", "aw"],
-                ],
-            },
-            Self::Id => Usual {
-                components: &[1],
-                columns: &[
-                    ("id", 1.0),
-                    ("particle_id", 1.0),
-                    ("particleid", 1.0),
-                    ("ids", 1.0),
-                    ("pid", 1.0),
-                    ("gid", 1.0),
-                    ("idx", 1.0),
-                ],
-                groups: &[],
-            },
-            Self::Color => Usual {
-                components: &[3, 4],
-                columns: &[
-                    ("Cd", 1.0),
-                    ("color", 1.0),
-                    ("colour", 1.0),
-                    ("colors", 1.0),
-                    ("rgb", 1.0),
-                    ("rgba", 1.0),
-                ],
-                groups: &[
-                    &["red", "green", "blue", "alpha"],
-                    &["red", "green", "blue"],
-                    &["r", "g", "b", "a"],
-                    &["r", "g", "b"],
-                    &["diffuse_red", "diffuse_green", "diffuse_blue"],
-                ],
-            },
-            Self::Metric => Usual {
-                components: &[6, 9],
-                columns: &[
-                    ("metric", 1.0),
-                    ("metric_tensor", 1.0),
-                    ("anisotropy", 1.0),
-                    ("G", 1.0),
-                ],
-                groups: &[],
-            },
-            Self::SupportScale => Usual {
-                components: &[1],
-                columns: &[("support_scale", 1.0)],
-                groups: &[],
-            },
-        }
+impl Role {
+    /// Whether the first component of a column of this name belongs behind the others.
+    pub(super) fn is_scalar_first(self, name: &str) -> bool {
+        self.usual().scalar_first.contains(&name)
     }
 }
 
 impl Particles {
     /// The columns that play `role`, under their usual names: first as one column (in the spelling of
-    /// the table, then in any case), then as a group of scalar columns. Integer colours of 8 and 16
+    /// the table, then in any case), then as a group of columns. Integer colours of 8 and 16
     /// bits come out as 0 to 1.
     pub fn role(&self, role: Role) -> Option<Attribute<'_>> {
         let usual = role.usual();
@@ -178,7 +96,12 @@ impl Particles {
                 let column = self.columns.iter().find(|column| {
                     same(&column.name, name) && usual.components.contains(&column.components)
                 })?;
-                Some(Attribute::of_column(column).scaled(scale))
+                let attribute = Attribute::of_column(column).scaled(scale);
+                Some(if role.is_scalar_first(name) {
+                    attribute.rotated_left()
+                } else {
+                    attribute
+                })
             })
         };
         let found = column_as(|a, b| a == b)
@@ -187,7 +110,7 @@ impl Particles {
                 usual
                     .groups
                     .iter()
-                    .find_map(|names| self.scalars(role.name(), names))
+                    .find_map(|names| self.together(role.name(), names, usual.each(names)))
             })
             .or_else(|| {
                 usual.columns.iter().find_map(|(name, _)| {

@@ -57,6 +57,34 @@ impl Ellipsoid {
         finite.then_some(factor).ok_or(MetricError)
     }
 
+    /// The factor, as of [`Ellipsoid::factor_of`], of the ellipsoid whose surface these three conjugate
+    /// radii span: the image of the unit ball under the matrix of these columns. At right angles they
+    /// are its axes.
+    ///
+    /// # Errors
+    /// When they lie in a plane or are not finite.
+    pub fn factor_of_radii(radii: DMat3) -> Result<[f64; 6], MetricError> {
+        // L⁻¹ = QA with A upper triangular, so AᵀA = (LLᵀ)⁻¹.
+        let inverse = radii.inverse();
+        let length = |column: DVec3| {
+            let length = column.length();
+            (length > 0.0 && length.is_finite())
+                .then_some(length)
+                .ok_or(MetricError)
+        };
+        let a00 = length(inverse.x_axis)?;
+        let first = inverse.x_axis / a00;
+        let a01 = first.dot(inverse.y_axis);
+        let rest = inverse.y_axis - first * a01;
+        let a11 = length(rest)?;
+        let second = rest / a11;
+        let (a02, a12) = (first.dot(inverse.z_axis), second.dot(inverse.z_axis));
+        let a22 = length(inverse.z_axis - first * a02 - second * a12)?;
+        let factor = [a00, a01, a02, a11, a12, a22];
+        let finite = factor.iter().all(|a| a.is_finite());
+        finite.then_some(factor).ok_or(MetricError)
+    }
+
     /// The factor as a matrix.
     pub fn matrix(&self) -> DMat3 {
         let [a00, a01, a02, a11, a12, a22] = self.0.map(f64::from);

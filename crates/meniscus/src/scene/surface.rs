@@ -52,20 +52,30 @@ impl<'de> Deserialize<'de> for Weights {
     }
 }
 
-/// Where the shapes of supports come from that no column gives.
+/// Where the shapes of supports come from, unless a setting names the columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Anisotropy {
-    /// Nowhere: they are balls.
+    /// Columns of usual names that hold metrics, ellipsoids or deformation gradients; balls where there
+    /// are none.
     #[default]
+    Auto,
+    /// Nowhere: they are balls.
     None,
     /// The arrangement of the neighbours, which also smooths the centres (Yu & Turk 2013).
     Estimate,
+    /// The anisotropic displacements of atoms.
+    Thermal,
 }
 
 impl Anisotropy {
     /// Every kind with its name in files and flags.
-    pub const ALL: [(&'static str, Self); 2] = [("none", Self::None), ("estimate", Self::Estimate)];
+    pub const ALL: [(&'static str, Self); 4] = [
+        ("auto", Self::Auto),
+        ("none", Self::None),
+        ("estimate", Self::Estimate),
+        ("thermal", Self::Thermal),
+    ];
 }
 
 /// The numbers that define the isosurface F(x) = Σ wᵢ k(qᵢ(x)) = T of a particle set.
@@ -81,8 +91,21 @@ pub struct BlobSettings {
     /// VTK's xx yy zz xy yz xz) or nine. It makes ellipsoids and takes the place of all radii; without
     /// this setting a column of a usual name (`metric`, …) does.
     pub metric: Option<String>,
-    /// Whether supports are stretched along their neighbours.
+    /// Column with an ellipsoid's three radii along its axes; they mean what [`BlobSettings::radius`]
+    /// does. This and the following three may be several columns parted by commas.
+    pub radii: Option<String>,
+    /// Columns with an ellipsoid's axes, three vectors; without `radii` their lengths are the radii.
+    pub axes: Option<String>,
+    /// Column with the quaternion x y z w that turns an ellipsoid with `radii` (w x y z where the
+    /// column's usual name says so).
+    pub orientation: Option<String>,
+    /// Column with the deformation gradient F, row by row: the support is F's image of the ball that the
+    /// radius gives.
+    pub deformation: Option<String>,
+    /// Where shapes come from, if none of the five names a column.
     pub anisotropy: Anisotropy,
+    /// Share of the time that an atom spends within its thermal ellipsoid, above 0 and below 1.
+    pub probability: f64,
     /// R over the radius with volume weights (4: SPH's usual support).
     pub smoothing: f64,
     /// Kernel.
@@ -103,7 +126,12 @@ impl Default for BlobSettings {
             radius: None,
             support: None,
             metric: None,
-            anisotropy: Anisotropy::None,
+            radii: None,
+            axes: None,
+            orientation: None,
+            deformation: None,
+            anisotropy: Anisotropy::Auto,
+            probability: 0.5,
             smoothing: 4.0,
             kernel: Kernel::Sextic,
             threshold: 0.6,
@@ -186,9 +214,24 @@ pub struct Surface {
     /// See [`BlobSettings::metric`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub metric: Option<String>,
+    /// See [`BlobSettings::radii`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radii: Option<String>,
+    /// See [`BlobSettings::axes`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axes: Option<String>,
+    /// See [`BlobSettings::orientation`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<String>,
+    /// See [`BlobSettings::deformation`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deformation: Option<String>,
     /// See [`BlobSettings::anisotropy`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub anisotropy: Option<Anisotropy>,
+    /// See [`BlobSettings::probability`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probability: Option<f64>,
     /// See [`BlobSettings::smoothing`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothing: Option<f64>,
@@ -261,7 +304,12 @@ impl Surface {
             radius: self.radius.or(base.radius),
             support: self.support.or(base.support),
             metric: self.metric.clone().or(base.metric),
+            radii: self.radii.clone().or(base.radii),
+            axes: self.axes.clone().or(base.axes),
+            orientation: self.orientation.clone().or(base.orientation),
+            deformation: self.deformation.clone().or(base.deformation),
             anisotropy: self.anisotropy.unwrap_or(base.anisotropy),
+            probability: self.probability.unwrap_or(base.probability),
             smoothing: self.smoothing.unwrap_or(base.smoothing),
             kernel: self.kernel.unwrap_or(base.kernel),
             threshold: self.threshold.unwrap_or(base.threshold),

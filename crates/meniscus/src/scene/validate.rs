@@ -258,6 +258,13 @@ fn check_surface(key: &str, surface: &Surface) -> Checked {
             )?;
         }
     }
+    if let Some(probability) = surface.probability {
+        require(
+            probability > 0.0 && probability < 1.0,
+            format!("{key}.probability"),
+            format!("`probability` must be above 0 and below 1, not {probability}"),
+        )?;
+    }
     if surface.radius.is_some() && surface.support.is_some() {
         return Err(invalid(
             format!("{key}.radius"),

@@ -45,8 +45,6 @@ impl Fixed {
         let camera = &scene.camera;
         let camera_is_open = camera.eye.is_none() || camera.target.is_none();
         let ground_is_open = scene.ground.as_ref().is_some_and(|g| g.height.is_none());
-        let has_size =
-            |s: &Surface| s.radius.is_some() || s.support.is_some() || s.metric.is_some();
         if !camera_is_open && !ground_is_open && scene.surfaces.iter().all(has_size) {
             return Ok(scene);
         }
@@ -70,6 +68,14 @@ impl Fixed {
         }
         Ok(scene)
     }
+}
+
+/// Whether a surface's settings decide on the sizes of its particles.
+fn has_size(surface: &Surface) -> bool {
+    let columns = [&surface.metric, &surface.radii, &surface.axes];
+    surface.radius.is_some()
+        || surface.support.is_some()
+        || columns.iter().any(|column| column.is_some())
 }
 
 /// What the first frame says.

@@ -1,6 +1,11 @@
 use super::*;
+use crate::field::BlobField;
+use crate::math::symmetric::eigen;
+use crate::particles::Particles;
 use crate::particles::spacing::point_tree;
 use crate::scene::generate::Generator;
+use crate::scene::{Anisotropy, BlobSettings};
+use glam::DMat3;
 
 /// The estimate straight from its formulas: all pairs, float64, and matrix functions by Lagrange's
 /// interpolation on eigenvalues in closed form (Smith 1961) instead of rotations.
@@ -39,7 +44,7 @@ fn plainly(positions: &[DVec3], support: f64, i: usize) -> (DVec3, DMat3) {
     };
     let largest = values.iter().copied().fold(0.0, f64::max);
     let function = |sigma: f64| {
-        let sigma = sigma.max(largest / LARGEST_RATIO);
+        let sigma = sigma.max(largest / LARGEST_RATIO).max(LEAST);
         (1.0 + (sigma - 1.0) * counts).powi(-2) / (support * support)
     };
     // f(C) in Newton's form with divided differences; those of equal values are never reached here.
@@ -152,4 +157,73 @@ fn the_same_for_any_number_of_threads() {
         (found.centers, found.factors)
     };
     assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn few_particles_and_strays_far_away() {
+    // Fewer than there are lanes, in groups that the curve tears apart, sizes far apart.
+    for count in [1, 2, 15, 17, 33, 70] {
+        let mut positions: Vec<DVec3> = (0..count)
+            .map(|i| DVec3::new(f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25)) * 0.3)
+            .collect();
+        positions.push(DVec3::new(1e9, -1e9, 3.0));
+        positions.push(DVec3::splat(1e17));
+        let points = point_tree(&positions);
+        for support in [0.7, 5.0] {
+            let estimate = estimate(&positions, &vec![support; positions.len()], &points);
+            for i in 0..positions.len() - 2 {
+                let (center, expected) = plainly(&positions[..count as usize], support, i);
+                assert!(
+                    center.distance(estimate.centers[i]) < 1e-5 * support,
+                    "{count} {i}"
+                );
+                let found = metric(estimate.factors[i]);
+                if expected.is_finite() {
+                    let size = |m: DMat3| {
+                        m.to_cols_array()
+                            .map(f64::abs)
+                            .into_iter()
+                            .fold(0.0, f64::max)
+                    };
+                    let off = size(found - expected) / size(expected);
+                    assert!(off < 1e-4, "{count} {i}: {found} {expected}");
+                }
+            }
+            let stray = &estimate.factors[positions.len() - 1];
+            assert_eq!(*stray, [1.0, 0.0, 0.0, 1.0, 0.0, 1.0].map(|a| a / support));
+        }
+    }
+}
+
+#[test]
+fn a_sheet_has_the_volume_that_it_has_of_balls() {
+    // ∫F over a column through the middle of a sheet, as a part of the particles' own volume there.
+    let mut positions = Vec::new();
+    for i in 0..21 * 21 {
+        positions.push(DVec3::new(f64::from(i % 21), f64::from(i / 21), 0.0));
+    }
+    let volume = |anisotropy: Anisotropy| {
+        let settings = BlobSettings {
+            radius: Some(0.5),
+            anisotropy,
+            ..BlobSettings::default()
+        };
+        let particles = Particles::from_positions(positions.clone());
+        let field = BlobField::from_particles(&particles, &settings)
+            .unwrap()
+            .field;
+        let mut sum = 0.0;
+        for (x, y) in [(10.0, 10.0), (10.5, 10.0), (10.5, 10.5), (10.25, 10.5)] {
+            for step in -300..300 {
+                let z = (f64::from(step) + 0.5) * 0.01;
+                sum += field.value(DVec3::new(x, y, z) - field.origin) * 0.01;
+            }
+        }
+        0.25 * sum
+    };
+    let [balls, ellipsoids] = [Anisotropy::None, Anisotropy::Estimate].map(volume);
+    assert!(
+        (ellipsoids / balls - 1.0).abs() < 0.02,
+        "{balls} {ellipsoids}"
+    );
 }

@@ -8,7 +8,7 @@
 mod keys;
 mod motion;
 
-use super::{Column, ColumnData, Particles, Role};
+use super::{Attribute, Column, ColumnData, Particles, Role};
 use glam::DVec3;
 use keys::Keys;
 use motion::{Around, Motion, disagreement, usable, vectors};
@@ -210,13 +210,29 @@ impl Pair {
             .collect();
         let (a, b) = (&self.earlier, &self.later);
         let places: Vec<Place> = kept.iter().map(|&i| self.places[i]).collect();
+        // q and −q are the same turn: the nearer of the two is meant.
+        let turns = [a, b].map(|particles| particles.role(Role::Orientation));
+        let is_opposite = |i: usize, j: usize| match &turns {
+            [Some(from), Some(to)] => {
+                let each = 0..from.components().min(to.components());
+                each.map(|k| from.get(i, k) * to.get(j, k)).sum::<f64>() < 0.0
+            }
+            _ => false,
+        };
+        let is_turn = |name: &str| {
+            let mut columns = turns.iter().flatten().flat_map(Attribute::columns);
+            columns.any(|column| column.name == name)
+        };
         let mut columns: Vec<Column> = a
             .columns
             .iter()
             .filter_map(|column| {
                 let other = b.column(&column.name)?;
-                (other.components == column.components && column.name != SUPPORT_SCALE)
-                    .then(|| blended(column, other, &places, u))
+                (other.components == column.components && column.name != SUPPORT_SCALE).then(|| {
+                    let is_turn = is_turn(&column.name);
+                    let is_opposite = |i, j| is_turn && is_opposite(i, j);
+                    blended(column, other, &places, u, is_opposite)
+                })
             })
             .collect();
         let owned = [a, b].map(|particles| particles.role(Role::SupportScale));
@@ -249,12 +265,19 @@ impl Pair {
     }
 }
 
-/// A column at a fraction of the interval.
-fn blended(a: &Column, b: &Column, places: &[Place], fraction: f64) -> Column {
+/// A column at a fraction of the interval; where `is_opposite`, the later frame's numbers change sign.
+fn blended(
+    a: &Column,
+    b: &Column,
+    places: &[Place],
+    fraction: f64,
+    is_opposite: impl Fn(usize, usize) -> bool,
+) -> Column {
     let components = a.components;
     let blend = |place: &Place, component: usize| match *place {
         Place::Both(i, j) => {
             let (from, to) = (a.get(i, component), b.get(j, component));
+            let to = if is_opposite(i, j) { -to } else { to };
             from + (to - from) * fraction
         }
         Place::EarlierOnly(i) => a.get(i, component),

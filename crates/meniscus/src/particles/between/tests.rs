@@ -266,3 +266,45 @@ fn ids_must_be_there_and_differ() {
         4
     );
 }
+
+#[test]
+fn turns_take_the_shorter_way() {
+    let one = |turn: [f64; 4], names: &[&str]| {
+        let mut particles = Particles::from_positions(vec![DVec3::ZERO]);
+        particles.columns.push(Column::new("id", 1, vec![1]));
+        if let [name] = names {
+            particles.columns.push(Column::new(*name, 4, turn.to_vec()));
+        } else {
+            let scalars = names.iter().zip(turn);
+            particles
+                .columns
+                .extend(scalars.map(|(name, q)| Column::new(*name, 1, vec![q])));
+        }
+        particles
+    };
+    for names in [&["orient"][..], &["qx", "qy", "qz", "qw"]] {
+        let moment = |time: f64, turn| Moment {
+            name: String::new(),
+            particles: Arc::new(one(turn, names)),
+            time,
+        };
+        // A turn by 60° about z, written as −q.
+        let (sine, cosine) = (-0.5, -(0.75_f64.sqrt()));
+        let pair = Pair::new(
+            None,
+            &moment(0.0, [0.0, 0.0, 0.0, 1.0]),
+            &moment(1.0, [0.0, 0.0, sine, cosine]),
+            None,
+            &settings(1.0),
+        );
+        let between = pair.unwrap().at(0.5);
+        let turn = between.role(Role::Orientation).unwrap();
+        let [x, y, z, w] = [0, 1, 2, 3].map(|k| turn.get(0, k));
+        let angle = 2.0 * (z / w).atan();
+        assert!(
+            (angle.to_degrees() - 30.0).abs() < 1e-9,
+            "{names:?}: {angle}"
+        );
+        assert_eq!([x, y], [0.0; 2]);
+    }
+}

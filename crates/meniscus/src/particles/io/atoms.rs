@@ -31,6 +31,12 @@ pub(super) struct Atom<'a> {
 /// Chain, residue, insertion code and name: atoms that share them are alternate locations of one.
 type Identity = (u32, i32, Box<[u8]>, Box<[u8]>);
 
+/// Anisotropic displacements in Å²: U₁₁ U₂₂ U₃₃ U₁₂ U₁₃ U₂₃.
+pub(super) type Displacements = [f32; 6];
+
+/// An isotropic B over the U that says the same: 8π² (IUCr, Acta Cryst. A52, 770, 1996).
+pub(super) const B_OVER_U: f64 = 8.0 * std::f64::consts::PI * std::f64::consts::PI;
+
 /// The atoms of one frame, columns first.
 #[derive(Debug, Default)]
 pub(super) struct Atoms {
@@ -45,6 +51,7 @@ pub(super) struct Atoms {
     b_factors: Vec<f32>,
     charges: Vec<i8>,
     velocities: Vec<f32>,
+    displacements: Vec<Option<Displacements>>,
     has_occupancy: bool,
     has_b_factor: bool,
     has_charge: bool,
@@ -59,14 +66,14 @@ pub(super) struct Atoms {
 }
 
 impl Atoms {
-    /// Takes an atom. Of alternate locations with a stated occupancy the one with the highest stays,
+    /// Takes an atom and gives its place, unless it is left out. Of alternate locations with a stated occupancy the one with the highest stays,
     /// the first among equals.
-    pub(super) fn push(&mut self, atom: &Atom<'_>) {
+    pub(super) fn push(&mut self, atom: &Atom<'_>) -> Option<usize> {
         let row = self.seen;
         self.seen = self.seen.saturating_add(1);
         let Some(atomic_number) = atom.atomic_number else {
             self.without_atom += 1;
-            return;
+            return None;
         };
         let chain = self.chain_number(atom.chain);
         let occupancy = atom.occupancy.unwrap_or(1.0);
@@ -76,10 +83,11 @@ impl Atoms {
             let first = *self.alternates.entry(identity).or_insert(here);
             if first != here {
                 self.replaced += 1;
-                if occupancy > self.occupancies[first] {
-                    self.set(first, row, atom, atomic_number, chain);
+                if occupancy <= self.occupancies[first] {
+                    return None;
                 }
-                return;
+                self.set(first, row, atom, atomic_number, chain);
+                return Some(first);
             }
         }
         let here = self.positions.len();
@@ -94,7 +102,36 @@ impl Atoms {
         self.b_factors.push(0.0);
         self.charges.push(0);
         self.velocities.extend([0.0; 3]);
+        self.displacements.push(None);
         self.set(here, row, atom, atomic_number, chain);
+        Some(here)
+    }
+
+    /// Gives the atom at a place that [`Atoms::push`] gave its displacements.
+    pub(super) fn displace(&mut self, at: usize, displacements: Displacements) {
+        if let Some(known) = self.displacements.get_mut(at) {
+            *known = Some(displacements);
+        }
+    }
+
+    /// Gives atoms their displacements by their serial numbers.
+    pub(super) fn displace_by_serial(&mut self, displacements: &HashMap<i32, Displacements>) {
+        for (known, serial) in self.displacements.iter_mut().zip(&self.serials) {
+            *known = displacements.get(serial).copied().or(*known);
+        }
+    }
+
+    /// Displacements of all atoms, those of the others from their isotropic B; `None` where no atom has
+    /// any.
+    fn all_displacements(&self) -> Option<Vec<f32>> {
+        self.displacements.iter().any(Option::is_some).then(|| {
+            let each = self.displacements.iter().zip(&self.b_factors);
+            each.flat_map(|(known, &b)| {
+                let u = (f64::from(b) / B_OVER_U) as f32;
+                known.unwrap_or([u, u, u, 0.0, 0.0, 0.0])
+            })
+            .collect()
+        })
     }
 
     fn set(&mut self, at: usize, row: u32, atom: &Atom<'_>, atomic_number: u8, chain: u32) {
@@ -110,6 +147,7 @@ impl Atoms {
         self.charges[at] = atom.charge.unwrap_or(0);
         let velocity = atom.velocity.unwrap_or_default();
         self.velocities[3 * at..3 * at + 3].copy_from_slice(&velocity);
+        self.displacements[at] = None;
         self.has_occupancy |= atom.occupancy.is_some();
         self.has_b_factor |= atom.b_factor.is_some();
         self.has_charge |= atom.charge.is_some_and(|charge| charge != 0);
@@ -157,6 +195,7 @@ impl Atoms {
                 "the element of {unknown} atoms is not known: they get a radius of {UNKNOWN_RADIUS} Å"
             ));
         }
+        let displacements = self.all_displacements();
         let radii: Vec<f32> = self
             .atomic_numbers
             .iter()
@@ -184,6 +223,7 @@ impl Atoms {
         if self.has_velocity {
             columns.push(Column::new("velocity", 3, self.velocities));
         }
+        columns.extend(displacements.map(|u| Column::new("anisou", 6, u)));
         let mut particles = assemble(self.positions, columns)?;
         particles.rows = self.rows;
         Ok((particles, warnings))

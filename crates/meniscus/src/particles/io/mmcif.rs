@@ -1,10 +1,11 @@
-//! mmCIF: the `_atom_site` table of the PDBx/mmCIF dictionary, in any order of columns; models as
-//! frames.
+//! mmCIF: the tables `_atom_site` and `_atom_site_anisotrop` of the PDBx/mmCIF dictionary, in any order
+//! of columns; models as frames.
 
+mod displacements;
 mod tokens;
 
 use super::atom_names::{Alignment, element};
-use super::atoms::{Atom, Atoms};
+use super::atoms::{Atom, Atoms, Displacements};
 use super::text::{float, quote};
 use super::{ParseError, Parsed, Place};
 use crate::particles::elements::atomic_number;
@@ -94,6 +95,8 @@ struct Reader<'a> {
     models: HashMap<&'a [u8], usize>,
     last_model: Option<(&'a [u8], usize)>,
     pairs: Vec<(&'a [u8], Token<'a>)>,
+    /// By the atoms' ids.
+    displacements: HashMap<i32, Displacements>,
     /// Whether there are fractional coordinates, which are no positions in space.
     is_crystal: bool,
 }
@@ -106,6 +109,7 @@ impl<'a> Reader<'a> {
             models: HashMap::new(),
             last_model: None,
             pairs: Vec::new(),
+            displacements: HashMap::new(),
             is_crystal: false,
         }
     }
@@ -118,13 +122,30 @@ impl<'a> Reader<'a> {
     fn read_loop(&mut self, tokens: &mut Tokens<'a>) -> Result<Option<Token<'a>>, ParseError> {
         let mut next = tokens.next();
         let mut names: Vec<&[u8]> = Vec::new();
-        let mut is_atoms = false;
+        let mut displacement_names: Vec<&[u8]> = Vec::new();
+        let (mut is_atoms, mut is_displacements) = (false, false);
         while let Some(tag) = next.filter(|token| token.is_tag()) {
             self.is_crystal |= tag.text.starts_with(b"_atom_site_fract");
             let name = column_name(tag);
             is_atoms |= name.is_some();
             names.push(name.unwrap_or_default());
+            let name = displacements::column_name(tag);
+            is_displacements |= name.is_some();
+            displacement_names.push(name.unwrap_or_default());
             next = tokens.next();
+        }
+        if is_displacements {
+            let layout = displacements::Layout::new(&displacement_names);
+            let mut row: Vec<Token<'a>> = Vec::new();
+            while let Some(token) = next.filter(|token| !token.ends_values()) {
+                row.push(token);
+                if row.len() == displacement_names.len() {
+                    layout.read(&row, &mut self.displacements);
+                    row.clear();
+                }
+                next = tokens.next();
+            }
+            return Ok(next);
         }
         if !is_atoms {
             while next.is_some_and(|token| !token.ends_values()) {
@@ -235,6 +256,7 @@ impl<'a> Reader<'a> {
                 error.with_help("structure factors and dictionaries hold no atoms")
             });
         }
+        self.atoms.displace_by_serial(&self.displacements);
         self.atoms.into_parsed(1.0, self.models.len())
     }
 }

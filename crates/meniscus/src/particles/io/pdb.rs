@@ -2,11 +2,11 @@
 //!
 //! Format description 3.3 of the wwPDB, and what simulation programs make of it: no element column,
 //! four-letter residue names, segments in place of chains, serial numbers beyond their five columns
-//! (hybrid-36, hexadecimal, shifted or starred), frames parted by `END` alone. `CRYST1` is ignored:
-//! nothing is wrapped or repeated.
+//! (hybrid-36, hexadecimal, shifted or starred), frames parted by `END` alone. `ANISOU` gives the atom
+//! before it its displacements. `CRYST1` is ignored: nothing is wrapped or repeated.
 
 use super::atom_names::{Alignment, element};
-use super::atoms::{Atom, Atoms};
+use super::atoms::{Atom, Atoms, Displacements};
 use super::text::{float, lines, quote};
 use super::{ParseError, Parsed, Place};
 use crate::particles::elements::atomic_number;
@@ -25,6 +25,9 @@ const COORDINATES: [(Range<usize>, &str); 3] = [
     (38..46, "y in columns 39 to 46"),
     (46..54, "z in columns 47 to 54"),
 ];
+
+/// Where serial, name, alternate location, residue and chain of an atom stand: ANISOU repeats them.
+const IDENTITY: Range<usize> = 6..27;
 
 /// Whether the first record is one of PDB's, or an atom comes early.
 pub(super) fn detect(bytes: &[u8]) -> bool {
@@ -46,14 +49,28 @@ pub(super) fn read(bytes: &[u8], frame: usize) -> Result<Parsed, ParseError> {
     let mut serials = Serials::default();
     let (mut frames, mut in_frame) = (0, 0_usize);
     let mut starred = 0_usize;
+    let mut lost = 0_usize;
+    let mut last: Option<(&[u8], Option<usize>)> = None;
     for (number, line) in lines(bytes, 1) {
         if is_atom(line) {
             if frames == frame {
                 let (atom, is_starred) = atom(line, number, &mut serials)?;
                 starred += usize::from(is_starred);
-                atoms.push(&atom);
+                last = Some((line, atoms.push(&atom)));
             }
             in_frame += 1;
+        } else if line.starts_with(b"ANISOU") {
+            if frames == frame {
+                let is_same = |other: &[u8]| line.get(IDENTITY) == other.get(IDENTITY);
+                match last {
+                    Some((other, Some(at))) if is_same(other) => {
+                        atoms.displace(at, displacements(line));
+                    }
+                    // Its atom was left out.
+                    Some((other, None)) if is_same(other) => {}
+                    _ => lost += 1,
+                }
+            }
         } else if (line.starts_with(b"MODEL") || line.starts_with(b"END")) && in_frame > 0 {
             (frames, in_frame) = (frames + 1, 0);
         }
@@ -66,6 +83,11 @@ pub(super) fn read(bytes: &[u8], frame: usize) -> Result<Parsed, ParseError> {
         ));
     }
     let mut parsed = atoms.into_parsed(1.0, frames)?;
+    if lost > 0 {
+        parsed.warnings.push(format!(
+            "{lost} ANISOU records were left out that do not follow their atom"
+        ));
+    }
     if starred > 0 {
         parsed.warnings.push(format!(
             "{starred} atoms have coordinates that did not fit their columns (*****)"
@@ -133,6 +155,14 @@ fn atom<'a>(
         velocity: None,
     };
     Ok((atom, is_starred))
+}
+
+/// The displacements of an ANISOU record, which counts in 10⁻⁴ Å²; NaN where they are no numbers.
+fn displacements(line: &[u8]) -> Displacements {
+    [28, 35, 42, 49, 56, 63].map(|start| {
+        let number = float::<f32>(field(line, start..start + 7));
+        number.map_or(f32::NAN, |u| u * 1e-4)
+    })
 }
 
 fn wrong_coordinate(line: &[u8], number: u64, text: &[u8], what: &str) -> ParseError {

@@ -193,3 +193,68 @@ fn non_finite_positions_are_dropped_and_counted() {
     assert_eq!(particles.column("id").unwrap().get(1, 0), 7.0);
     assert_eq!(particles.drop_non_finite(), 0);
 }
+
+#[test]
+fn shapes_go_by_several_names_and_quaternions_by_their_order() {
+    let row = |name: &str, components: usize| {
+        let numbers: Vec<f64> = (0..2 * components).map(|i| i as f64).collect();
+        Column::new(name, components, numbers)
+    };
+    for (name, components, role) in [
+        ("radii", 3, Role::Radii),
+        ("Aspherical Shape", 3, Role::Radii),
+        ("principal_axes", 9, Role::Axes),
+        ("F", 9, Role::Deformation),
+        ("deformation_gradient", 9, Role::Deformation),
+        ("anisou", 6, Role::Displacements),
+        ("orient", 4, Role::Orientation),
+    ] {
+        let particles = with(vec![row(name, components)]);
+        assert_eq!(
+            particles.role(role).unwrap().components(),
+            components,
+            "{name}"
+        );
+        let other = with(vec![row(name, components + 1)]);
+        assert!(other.role(role).is_none(), "{name}");
+    }
+    for (name, first) in [
+        ("Orientation", 0.0),
+        ("quat_wxyz", 1.0),
+        ("rotation_quaternion", 1.0),
+    ] {
+        let particles = with(vec![row(name, 4)]);
+        let expected = [0.0, 1.0, 2.0, 3.0].map(|i| (first + i) % 4.0);
+        let role = particles.role(Role::Orientation).unwrap();
+        assert_eq!([0, 1, 2, 3].map(|k| role.get(0, k)), expected, "{name}");
+        let several = particles.several(Role::Orientation, name).unwrap();
+        assert_eq!(several.get(0), expected, "{name}");
+    }
+    for names in [
+        ["qw", "qx", "qy", "qz"],
+        ["q0", "q1", "q2", "q3"],
+        ["quatw", "quati", "quatj", "quatk"],
+    ] {
+        let scalars = names.iter().zip([9.0, 1.0, 2.0, 3.0]);
+        let particles = with(scalars.map(|(name, q)| scalar(name, q)).collect());
+        assert_eq!(
+            numbers(&particles, "orientation"),
+            [1.0, 2.0, 3.0, 9.0],
+            "{names:?}"
+        );
+        let own = format!("{}, {}", names[3], names[0]);
+        assert_eq!(
+            particles.several(Role::Orientation, &own).unwrap().get(0),
+            [3.0, 9.0]
+        );
+    }
+    let axes = with(
+        ["axis_a", "axis_b", "axis_c"]
+            .map(|name| row(name, 3))
+            .to_vec(),
+    );
+    assert_eq!(
+        numbers(&axes, "axes"),
+        [0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 0.0, 1.0, 2.0]
+    );
+}

@@ -88,3 +88,44 @@ fn damaged_files_do_not_panic() {
         let _ = read(bytes, 1);
     });
 }
+
+#[test]
+fn displacements_go_by_the_atoms_ids() {
+    let table = |letter: &str, factor: f64| {
+        let tags: String = ["[2][2]", "[1][1]", "[3][3]", "[1][2]", "[2][3]", "[1][3]"]
+            .map(|ij| format!("_atom_site_anisotrop.{letter}{ij}\n"))
+            .concat();
+        let row = [0.2, 0.1, 0.3, 0.01, 0.03, 0.02].map(|u| format!("{} ", u * factor));
+        format!(
+            "loop_\n_atom_site_anisotrop.id\n{tags}3 {}\n9 {}\n",
+            row.concat(),
+            row.concat()
+        )
+    };
+    for (letter, factor) in [("U", 1.0), ("B", 8.0 * std::f64::consts::PI.powi(2))] {
+        let (before, after) = TWO_MODELS.split_at(TWO_MODELS.find("loop_\n_atom_site").unwrap());
+        for text in [
+            format!("{before}{}{after}", table(letter, factor)),
+            format!("{TWO_MODELS}{}", table(letter, factor)),
+        ] {
+            let parsed = read(text.as_bytes(), 0).unwrap();
+            let ColumnData::F32(found) = column(&parsed, "anisou") else {
+                panic!("floats expected");
+            };
+            // The first atom has no B either.
+            let expected = [
+                0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.01, 0.02, 0.03,
+            ];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-7, "{found} {expected}");
+            }
+        }
+    }
+    assert!(
+        read(TWO_MODELS.as_bytes(), 0)
+            .unwrap()
+            .particles
+            .column("anisou")
+            .is_none()
+    );
+}

@@ -9,7 +9,9 @@ ATOM      1  N   ALA A   1      -8.901   4.127  -0.555  1.00  5.50           N
 ATOM      2  CA AALA A   1      -8.608   3.135  -1.618  0.40  6.00           C
 ANISOU    2  CA AALA A   1      688   1234    806    -19    -49    178       C
 ATOM      3  CA BALA A   1      -8.500   3.000  -1.500  0.60  7.00           C
+ANISOU    3  CA BALA A   1     2500    900    100     10    -20     30       C
 ATOM      4  CA CALA A   1      -8.400   3.000  -1.500  0.60  7.00           C
+ANISOU    4  CA CALA A   1     9999   9999   9999    -19    -49    178       C
 HETATM    5 ZN    ZN B 101A      1.000   2.000   3.000  1.00  9.00          ZN2+
 TER
 END
@@ -53,6 +55,19 @@ fn columns_alternates_and_charges() {
     assert_eq!(numbers(&parsed, "atomic_number"), [7.0, 6.0, 30.0]);
     assert_eq!(*column(&parsed, "radius"), vec![1.55_f32, 1.7, 1.39].into());
     assert_eq!(numbers(&parsed, "serial"), [1.0, 3.0, 5.0]);
+    // In Å², of the alternate that stays; those of the others from their isotropic B.
+    let [n, zn] = [5.5, 9.0].map(|b| b / (8.0 * std::f64::consts::PI.powi(2)));
+    let expected = [
+        [n, n, n, 0.0, 0.0, 0.0],
+        [0.25, 0.09, 0.01, 0.001, -0.002, 0.003],
+        [zn, zn, zn, 0.0, 0.0, 0.0],
+    ];
+    for (found, expected) in numbers(&parsed, "anisou")
+        .iter()
+        .zip(expected.as_flattened())
+    {
+        assert!((found - expected).abs() < 1e-7, "{found} {expected}");
+    }
     assert_eq!(numbers(&parsed, "residue"), [1.0, 1.0, 101.0]);
     assert_eq!(numbers(&parsed, "chain"), [0.0, 0.0, 1.0]);
     assert_eq!(numbers(&parsed, "hetero"), [0.0, 0.0, 1.0]);
@@ -202,4 +217,23 @@ fn damaged_files_do_not_panic() {
     survives_damage(PROTEIN.as_bytes(), 5, |bytes| {
         let _ = read(bytes, 0);
     });
+}
+
+#[test]
+fn displacements_belong_to_the_atom_before_them() {
+    let lines: Vec<&str> = PROTEIN.lines().collect();
+    let anisou = lines[4];
+    // Behind another atom, cut short, and no numbers.
+    let moved = [lines[2], anisou, lines[7], "ANISOU", "END"].join("\n");
+    let parsed = read_text(&moved);
+    assert!(parsed.particles.column("anisou").is_none());
+    assert!(
+        parsed
+            .warnings
+            .iter()
+            .any(|w| w.contains("2 ANISOU records"))
+    );
+    let wrong = [lines[3], &anisou.replace("1234", "12x4")].join("\n");
+    let found = numbers(&read_text(&wrong), "anisou");
+    assert!(found[1].is_nan() && found[2].is_finite(), "{found:?}");
 }

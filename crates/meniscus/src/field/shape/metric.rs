@@ -1,7 +1,7 @@
 //! Metrics of ellipsoids from tensor columns.
 
-use super::FieldError;
-use crate::particles::Attribute;
+use crate::field::FieldError;
+use crate::particles::Several;
 use crate::primitive::Ellipsoid;
 use glam::DMat3;
 
@@ -42,24 +42,24 @@ type Factors = Vec<Option<[f64; 6]>>;
 /// definite or not finite. Six components are read as xx xy xz yy yz zz unless more rows are positive
 /// definite in VTK's order: read in the wrong one, a diagonal stands where the rest should, so the two
 /// are hard to confuse.
-pub(super) fn factors(
-    column: &Attribute<'_>,
+pub(in crate::field) fn factors(
+    column: &Several<'_>,
     rows: &[u32],
 ) -> Result<(Factors, MetricOrder), FieldError> {
     let read = |order: MetricOrder| -> Factors {
         rows.iter()
             .map(|&row| {
-                let m = |component| column.get(row as usize, component);
+                let m: [f64; 9] = column.get(row as usize);
                 let upper = match order {
                     MetricOrder::Full => [
-                        m(0),
-                        0.5 * (m(1) + m(3)),
-                        0.5 * (m(2) + m(6)),
-                        m(4),
-                        0.5 * (m(5) + m(7)),
-                        m(8),
+                        m[0],
+                        0.5 * (m[1] + m[3]),
+                        0.5 * (m[2] + m[6]),
+                        m[4],
+                        0.5 * (m[5] + m[7]),
+                        m[8],
                     ],
-                    _ => order.places().map(m),
+                    _ => order.places().map(|place| m[place]),
                 };
                 factor(upper)
             })
