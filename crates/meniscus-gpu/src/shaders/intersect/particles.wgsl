@@ -26,10 +26,13 @@ const IN_DOUBT: u32 = 2u;
 // More blobs overlap than the list has room for.
 const NO_ROOM: u32 = 3u;
 
-// More stretches than this mean that a ray does not come forward.
-const MOST_STRETCHES: u32 = 65536u;
-// After so many stretches in a row that bounds alone settle, each is twice as long as the one before.
+// A ray that takes more stretches than this would hold up all others, and llvmpipe ends any loop after
+// 65535 rounds.
+const MOST_STRETCHES: u32 = 4096u;
+// After so many stretches in a row without a crossing, each is twice as long as the one before, as long
+// as few blobs are met: a large blob among small ones would be walked through in their steps.
 const QUIET_STRETCHES: u32 = 4u;
+const FEW_BLOBS: u32 = CAPACITY / 4u;
 // Halvings of a stretch whose blobs do not fit.
 const MOST_HALVINGS: u32 = 12u;
 // g this little below 0 may be rounding.
@@ -294,15 +297,13 @@ fn trace(wants_any: bool) -> HitRecord {
         drop_what_is_beyond(solved);
         let from_at = solved - base;
         let to_at = stretch_end - base;
+        quiet++;
+        if quiet > QUIET_STRETCHES && count <= FEW_BLOBS {
+            reach *= 2.0;
+        }
         if !is_inside && upper_bound(from_at, to_at) < params.threshold {
             on_stated_side = true;
-            quiet++;
-            if quiet > QUIET_STRETCHES {
-                reach *= 2.0;
-            }
         } else {
-            reach = params.longest;
-            quiet = 0u;
             let away_from_start = solved > params.rounding || !starts_at_t_min;
             var entry = UNCONFIRMED;
             if side_is_proven || (on_stated_side && away_from_start) {
