@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{AdapterInfo, Backends, DeviceType};
 
-/// Allows a software adapter where it is set to 1 and a card is asked for.
-const SOFTWARE_VARIABLE: &str = "MENISCUS_GPU_SOFTWARE";
+/// `off`: no adapter counts; `software`: drivers that run on the processor count too, where a card is
+/// asked for.
+const ADAPTERS_VARIABLE: &str = "MENISCUS_GPU";
 
 /// Test hook: the device is removed after so many batches of rays.
 const LOSE_VARIABLE: &str = "MENISCUS_GPU_LOSE_AFTER";
@@ -20,14 +21,26 @@ pub enum AdapterChoice {
     Card,
     /// Cards, and drivers that run on the processor where there is none: for tests.
     CardOrSoftware,
+    /// None.
+    Nothing,
 }
 
 impl AdapterChoice {
-    /// What the environment allows: `MENISCUS_GPU_SOFTWARE=1` lets software drivers count.
+    /// What the environment allows: cards, unless `MENISCUS_GPU` is `off` or `software`.
     pub fn from_environment() -> Self {
-        match std::env::var(SOFTWARE_VARIABLE).as_deref() {
-            Ok("1") => Self::CardOrSoftware,
+        match std::env::var(ADAPTERS_VARIABLE).as_deref() {
+            Ok("off") => Self::Nothing,
+            Ok("software") => Self::CardOrSoftware,
             _ => Self::Card,
+        }
+    }
+
+    /// The same without software.
+    #[must_use]
+    pub fn without_software(self) -> Self {
+        match self {
+            Self::Card | Self::CardOrSoftware => Self::Card,
+            Self::Nothing => Self::Nothing,
         }
     }
 }
@@ -71,6 +84,7 @@ pub struct Device {
 /// How much an adapter is worth; `None`: not one that may be used.
 fn rank(info: &AdapterInfo, choice: AdapterChoice) -> Option<u32> {
     match (info.device_type, choice) {
+        (_, AdapterChoice::Nothing) => None,
         (DeviceType::DiscreteGpu, _) => Some(4),
         (DeviceType::IntegratedGpu, _) => Some(3),
         (DeviceType::VirtualGpu, _) => Some(2),
@@ -102,7 +116,12 @@ impl Device {
     /// # Errors
     /// Where there is none, or the driver refuses.
     pub fn open(options: OpenOptions) -> Result<Self, GpuError> {
-        if options.choice == AdapterChoice::Card && !may_have_card() {
+        let is_hopeless = match options.choice {
+            AdapterChoice::Card => !may_have_card(),
+            AdapterChoice::CardOrSoftware => false,
+            AdapterChoice::Nothing => true,
+        };
+        if is_hopeless {
             return Err(GpuError::NoAdapter {
                 seen: String::new(),
             });
@@ -205,6 +224,11 @@ impl Device {
         if self.lose_after.is_some_and(|after| sent >= after) {
             self.lose();
         }
+    }
+
+    /// Whether the device is gone.
+    pub fn is_lost(&self) -> bool {
+        self.check().is_err()
     }
 
     /// What went wrong so far.

@@ -17,7 +17,11 @@ fn folder_with_balls() -> Folder {
 
 const SURFACE: &str = "--weights unit --kernel quartic -t 0.2 -r 1 --filter 'x < 20'";
 
-fn write_rays<T: npyz::AutoSerialize + Copy>(folder: &Folder, width: u64, numbers: &[T]) {
+pub(crate) fn write_rays<T: npyz::AutoSerialize + Copy>(
+    folder: &Folder,
+    width: u64,
+    numbers: &[T],
+) {
     let file = std::fs::File::create(folder.path("rays.npy")).unwrap();
     let mut writer = npyz::WriteOptions::new()
         .default_dtype()

@@ -1,13 +1,9 @@
-//! The GPU's answers against the float64 oracle: the rays and the rule of every engine's suite.
-//!
-//! Without an adapter that runs shaders these tests say so and pass; where `MENISCUS_REQUIRE_GPU=1`, as in
-//! CI, they fail.
+//! The device's answers against the float64 oracle: the rays and the rule of every engine's suite.
 
-mod common;
-
-use common::{Gpu, device};
+use crate::common::{Gpu, device};
 use glam::DVec3;
 use meniscus::accel::Engine;
+use meniscus::field::{Motion, Search};
 use meniscus::frame::Blobs;
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
@@ -21,6 +17,14 @@ use meniscus_testing::suite::{Stage, complaints};
 
 const EYES: [DVec3; 2] = [DVec3::new(0.3, 0.5, 1.0), DVec3::new(-1.0, 0.1, -0.2)];
 const BOTH: [Question; 2] = [Question::ClosestTogether, Question::AnyTogether];
+
+/// Every kind of set with one kernel each.
+fn some_scenes() -> Vec<Scene> {
+    let kinds = corpus::KINDS.iter().enumerate();
+    kinds
+        .map(|(i, kind)| corpus::scene(kind, Kernel::ALL[i % Kernel::ALL.len()], 400))
+        .collect()
+}
 
 fn check(
     test: &str,
@@ -78,7 +82,7 @@ fn ordinary_rays() {
 fn shadow_rays() {
     check(
         "shadow_rays",
-        &corpus::suite(),
+        &some_scenes(),
         TracerOptions::default(),
         |stage| {
             let lights = [DVec3::new(0.4, 0.8, 0.2), DVec3::Y, DVec3::NEG_X];
@@ -92,7 +96,7 @@ fn shadow_rays() {
 fn grazing_rays() {
     check(
         "grazing_rays",
-        &corpus::suite(),
+        &some_scenes(),
         TracerOptions::default(),
         |stage| {
             (0..2)
@@ -106,7 +110,7 @@ fn grazing_rays() {
 fn inside_rays() {
     check(
         "inside_rays",
-        &corpus::suite(),
+        &some_scenes(),
         TracerOptions::default(),
         |stage| {
             (0..2)
@@ -125,7 +129,7 @@ fn evil_rays_and_sets() {
         all.extend(rays::grazing(stage.oracle, some, 73));
         all
     };
-    let mut scenes = corpus::suite();
+    let mut scenes = some_scenes();
     scenes.extend(corpus::evil());
     check(
         "evil_rays_and_sets",
@@ -152,4 +156,45 @@ fn little_room_and_small_buffers() {
         all.extend(rays::inside(stage.oracle, &stage.points, 36));
         all
     });
+}
+
+/// Rays at times of their own among blobs that move.
+#[test]
+fn moving_blobs() {
+    let Some(device) = device("moving_blobs") else {
+        return;
+    };
+    let shutter = [-0.3, 0.7];
+    for (kind, kernel) in [("pool", Kernel::Sextic), ("ellipsoids", Kernel::Quartic)] {
+        let mut scene = corpus::scene(kind, kernel, 400);
+        let speed = 2.0 * scene.field.spacing;
+        let rate = |i: usize, turn: f32| {
+            let angle = turn * i as f32;
+            [angle.cos() * speed, angle.sin() * speed, 0.3 * speed]
+        };
+        let count = scene.field.len();
+        scene.field.motion = Some(Motion {
+            velocities: (0..count).map(|i| rate(i, 2.4)).collect(),
+            half_accelerations: (0..count).map(|i| rate(i, -1.1)).collect(),
+            shutter,
+        });
+        scene.field.search = Search::default();
+        let blobs = Blobs::build(scene.field.clone(), Engine::Particles, Level::new());
+        let gpu = Gpu::new(device, &blobs, TracerOptions::default());
+        for time in [shutter[0], 0.0, 0.13, shutter[1]] {
+            let oracle = Oracle::at(&scene.field, time);
+            let stage = Stage::new(&scene, &oracle, 100);
+            let mut all = rays::hemisphere(&stage.points, 5);
+            all.extend(rays::primary(&oracle, 24, EYES[0]));
+            all.extend(rays::grazing(&oracle, &stage.points, 6));
+            all.extend(rays::inside(&oracle, &stage.points, 7));
+            let all: Vec<Ray> = all.into_iter().map(|ray| Ray { time, ..ray }).collect();
+            for question in BOTH {
+                let complaint = complaints(&gpu, &stage, &all, question);
+                assert_eq!(complaint, None, "{kind} at {time}");
+            }
+        }
+        let work = gpu.work();
+        assert!(work.on_cpu * 5 < work.rays, "{kind}: {work:?}");
+    }
 }
