@@ -15,10 +15,17 @@ pub(crate) type HitRecord = [u32; 8];
 pub(crate) type ParamsRecord = [u32; 8];
 
 /// Place of the number of rays in the parameters.
-pub(crate) const PARAMS_RAYS: usize = 5;
+const PARAMS_RAYS: usize = 5;
+
+/// Place of the number of blobs that a stretch may meet.
+const PARAMS_CAPACITY: usize = 7;
 
 const RAY_BYTES: u64 = size_of::<RayRecord>() as u64;
 const HIT_BYTES: u64 = size_of::<HitRecord>() as u64;
+/// A blob that a ray meets.
+pub(crate) const MET_BLOB_BYTES: u64 = 16;
+/// The same, and its word.
+const MET_BYTES: [u64; 2] = [MET_BLOB_BYTES, 4];
 const PARAMS_BYTES: u64 = size_of::<ParamsRecord>() as u64;
 /// Two timestamps.
 const TIME_BYTES: u64 = 16;
@@ -28,33 +35,51 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Buffers for one batch of rays, reused.
 pub(crate) struct Batch {
-    pub(crate) params: wgpu::Buffer,
-    pub(crate) rays: wgpu::Buffer,
-    pub(crate) hits: wgpu::Buffer,
+    params: wgpu::Buffer,
+    rays: wgpu::Buffer,
+    hits: wgpu::Buffer,
     back: wgpu::Buffer,
     times: Option<(wgpu::QuerySet, wgpu::Buffer)>,
-    pub(crate) group: wgpu::BindGroup,
-    /// Rays that fit.
-    pub(crate) room: usize,
+    group: wgpu::BindGroup,
+    room: Room,
+}
+
+/// How much a batch has room for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Room {
+    /// Rays.
+    pub(crate) rays: usize,
+    /// Blobs that all of them meet at a time.
+    pub(crate) met: usize,
+}
+
+impl Room {
+    /// Rays that may meet `capacity` blobs each, in whole workgroups.
+    fn rays_with(&self, capacity: u32, workgroup: u32) -> usize {
+        let groups = self.met / (capacity as usize * workgroup as usize);
+        self.rays.min(groups.max(1) * workgroup as usize)
+    }
 }
 
 /// What to run a batch by.
 pub(crate) struct Call<'a> {
     pub(crate) pipeline: &'a wgpu::ComputePipeline,
     pub(crate) params: ParamsRecord,
+    /// Blobs that a stretch of a ray may meet.
+    pub(crate) capacity: u32,
     /// Rays per workgroup.
     pub(crate) workgroup: u32,
 }
 
 impl Batch {
-    /// Buffers for `room` rays, bound beside the field's buffers by `bind`.
+    /// Buffers for `room`, bound beside the field's buffers by `bind`.
     pub(crate) fn new(
         device: &Device,
-        room: usize,
-        bind: impl FnOnce([&wgpu::Buffer; 3]) -> wgpu::BindGroup,
+        room: Room,
+        bind: impl FnOnce([&wgpu::Buffer; 5]) -> wgpu::BindGroup,
     ) -> Result<Self, GpuError> {
-        let count = room as u64;
-        let bytes = count * (RAY_BYTES + 2 * HIT_BYTES);
+        let (count, met) = (room.rays as u64, room.met as u64);
+        let bytes = count * (RAY_BYTES + 2 * HIT_BYTES) + met * MET_BYTES.iter().sum::<u64>();
         let buffer = |label, size, usage| {
             device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -68,6 +93,7 @@ impl Batch {
             let params = buffer("params", PARAMS_BYTES, Usage::UNIFORM | Usage::COPY_DST);
             let rays = buffer("rays", count * RAY_BYTES, Usage::STORAGE | Usage::COPY_DST);
             let hits = buffer("hits", count * HIT_BYTES, Usage::STORAGE | Usage::COPY_SRC);
+            let lists = MET_BYTES.map(|bytes| buffer("met blobs", met * bytes, Usage::STORAGE));
             let back_bytes = count * HIT_BYTES + TIME_BYTES;
             let back = buffer("back", back_bytes, Usage::MAP_READ | Usage::COPY_DST);
             let times = device.has_timestamps.then(|| {
@@ -79,7 +105,7 @@ impl Batch {
                 let usage = Usage::QUERY_RESOLVE | Usage::COPY_SRC;
                 (set, buffer("times", TIME_BYTES, usage))
             });
-            let group = bind([&params, &rays, &hits]);
+            let group = bind([&params, &rays, &hits, &lists[0], &lists[1]]);
             Self {
                 params,
                 rays,
@@ -90,6 +116,11 @@ impl Batch {
                 room,
             }
         })
+    }
+
+    /// Rays that may be sent together.
+    pub(crate) fn most(&self, call: &Call<'_>) -> usize {
+        self.room.rays_with(call.capacity, call.workgroup)
     }
 
     /// Traces `rays`, no more than there is room for, and reads what they hit into `hits`; returns the
@@ -104,6 +135,7 @@ impl Batch {
         device.check()?;
         let mut params = call.params;
         params[PARAMS_RAYS] = rays.len() as u32;
+        params[PARAMS_CAPACITY] = call.capacity;
         let queue = &device.queue;
         queue.write_buffer(&self.params, 0, bytemuck::cast_slice(&params));
         queue.write_buffer(&self.rays, 0, bytemuck::cast_slice(rays));

@@ -56,6 +56,8 @@ impl Program {
             entry(0, wgpu::BufferBindingType::Uniform),
             entry(1, storage(true)),
             entry(2, storage(false)),
+            entry(3, storage(false)),
+            entry(4, storage(false)),
         ];
         entries.extend((0..kind.chunks).map(|chunk| entry(FIRST_CHUNK + chunk, storage(true))));
         let group_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {

@@ -19,8 +19,6 @@ pub struct ShaderKind {
     pub chunks: u32,
     /// Words (16 bytes) per full buffer, as a power of two.
     pub chunk_bits: u32,
-    /// Blobs that a stretch of a ray may meet.
-    pub capacity: u32,
     /// References that a ray may keep for later.
     pub stack: u32,
 }
@@ -57,18 +55,12 @@ pub fn sources(kind: &ShaderKind) -> String {
 }
 
 fn numbers(kind: &ShaderKind) -> String {
-    let ShaderKind {
-        capacity, stack, ..
-    } = kind;
-    format!(
-        "const WORKGROUP: u32 = {WORKGROUP}u;\n\
-         const CAPACITY: u32 = {capacity}u;\n\
-         const STACK: u32 = {stack}u;\n"
-    )
+    let stack = kind.stack;
+    format!("const WORKGROUP: u32 = {WORKGROUP}u;\nconst STACK: u32 = {stack}u;\n")
 }
 
 /// First binding of the field's buffers.
-pub(crate) const FIRST_CHUNK: u32 = 3;
+pub(crate) const FIRST_CHUNK: u32 = 5;
 
 /// The field as one array of words over several buffers, since a binding has a largest size.
 fn heap(chunks: u32, chunk_bits: u32) -> String {

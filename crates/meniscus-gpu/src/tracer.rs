@@ -1,6 +1,6 @@
 //! One field on the device: uploaded, and asked about rays.
 
-use crate::batch::{Batch, Call, HitRecord, ParamsRecord, RayRecord};
+use crate::batch::{Batch, Call, HitRecord, MET_BLOB_BYTES, ParamsRecord, RayRecord, Room};
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::pack::{Packed, Word, pack};
@@ -19,8 +19,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Rays that are sent together on a card and on a processor.
-const BATCH: usize = 1 << 16;
+/// Rays that are sent together.
+const BATCH: usize = 1 << 15;
 
 /// No fewer are sent together, however long they take.
 const LEAST_BATCH: usize = 1 << 10;
@@ -95,8 +95,9 @@ struct Uploaded {
     bounds: Aabb,
     shutter_secs: [f64; 2],
     chunks: Vec<wgpu::Buffer>,
+    kind: ShaderKind,
     /// For ordinary rays and for crowded ones.
-    kinds: [ShaderKind; 2],
+    capacities: [u32; 2],
     params: ParamsRecord,
     idle: Mutex<Vec<Batch>>,
     batch: AtomicUsize,
@@ -271,11 +272,11 @@ impl Uploaded {
         let chunk_words = 1_usize << chunk_bits;
         let count = packed.words.len().div_ceil(chunk_words) as u32;
         let bytes = size_of_val(&packed.words[..]) as u64;
-        // Rays and hits take two.
+        // Rays, hits and what they meet take four.
         let most = device
             .limits
             .max_storage_buffers_per_shader_stage
-            .saturating_sub(2);
+            .saturating_sub(4);
         if count > most {
             let message = format!(
                 "it takes {count} buffers of {} bytes and can bind {most}",
@@ -288,6 +289,8 @@ impl Uploaded {
             .chunks(chunk_words)
             .map(|words| upload(device, words))
             .collect::<Result<Vec<_>, GpuError>>()?;
+        // Few numbers of buffers, so that few shaders are needed.
+        let bound = count.next_power_of_two().min(most);
         let tolerances = Tolerances::of(blobs, bounds);
         let capacity = options.capacity.unwrap_or(CAPACITIES[0]);
         Ok(Self {
@@ -295,18 +298,18 @@ impl Uploaded {
             bounds,
             shutter_secs: tree.shutter_secs,
             chunks,
-            kinds: [capacity, CAPACITIES[1].max(capacity)].map(|capacity| ShaderKind {
+            capacities: [capacity, CAPACITIES[1].max(capacity)],
+            kind: ShaderKind {
                 kernel: blobs.field.kernel,
                 ellipsoids: matches!(blobs.field.shapes, Shapes::Ellipsoids(_)),
                 moves: tree.moves(),
-                chunks: count,
+                chunks: bound,
                 chunk_bits,
-                capacity,
                 stack: packed
                     .stack
                     .next_power_of_two()
                     .clamp(SMALLEST_STACK, DEEPEST_STACK),
-            }),
+            },
             params: [
                 blobs.field.threshold.to_bits(),
                 tolerances.crossing.to_bits(),
@@ -340,10 +343,11 @@ impl Uploaded {
         if waiting.is_empty() {
             return Ok(seconds);
         }
-        let program = device.programs.get(device, self.kinds[room]);
+        let program = device.programs.get(device, self.kind);
         let call = Call {
             pipeline: program.pipeline(device, question),
             params: self.params,
+            capacity: self.capacities[room],
             workgroup: WORKGROUP,
         };
         let batch = self.borrow(device, &program.group_layout)?;
@@ -351,7 +355,7 @@ impl Uploaded {
         let mut hits = Vec::new();
         let mut rest = waiting;
         while !rest.is_empty() {
-            let most = self.batch.load(Ordering::Relaxed).min(batch.room);
+            let most = self.batch.load(Ordering::Relaxed).min(batch.most(&call));
             let (now, later) = rest.split_at(rest.len().min(most));
             records.clear();
             records.extend(
@@ -427,9 +431,13 @@ impl Uploaded {
             .pop();
         match idle {
             Some(batch) => Ok(batch),
-            None => Batch::new(device, BATCH, |buffers| {
+            None => Batch::new(device, room(device), |buffers| {
                 let mut entries: Vec<wgpu::BindGroupEntry<'_>> = Vec::new();
-                for (binding, buffer) in (0..).zip(buffers.into_iter().chain(&self.chunks)) {
+                // Bindings without a buffer of their own are never read.
+                let spare = self.chunks.iter().cycle().skip(self.chunks.len());
+                let spare = spare.take(self.kind.chunks as usize - self.chunks.len());
+                let chunks = self.chunks.iter().chain(spare);
+                for (binding, buffer) in (0..).zip(buffers.into_iter().chain(chunks)) {
                     entries.push(wgpu::BindGroupEntry {
                         binding,
                         resource: buffer.as_entire_binding(),
@@ -442,6 +450,18 @@ impl Uploaded {
                 })
             }),
         }
+    }
+}
+
+/// What a batch has room for: no more blobs than the adapter binds.
+fn room(device: &Device) -> Room {
+    let limits = &device.limits;
+    let largest = limits
+        .max_storage_buffer_binding_size
+        .min(limits.max_buffer_size);
+    Room {
+        rays: BATCH,
+        met: (BATCH * CAPACITIES[0] as usize).min((largest / MET_BLOB_BYTES) as usize),
     }
 }
 

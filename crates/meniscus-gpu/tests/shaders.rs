@@ -15,7 +15,6 @@ fn kinds() -> Vec<ShaderKind> {
                     moves,
                     chunks,
                     chunk_bits: 23,
-                    capacity: 96,
                     stack: 64,
                 });
             }

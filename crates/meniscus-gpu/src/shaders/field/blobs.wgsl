@@ -13,7 +13,8 @@ struct Params {
     rays: u32,
     // Word of the first leaf.
     leaves_at: u32,
-    padding: u32,
+    // Blobs that a stretch may meet.
+    capacity: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -32,7 +32,7 @@ const MOST_STRETCHES: u32 = 4096u;
 // After so many stretches in a row without a crossing, each is twice as long as the one before, as long
 // as few blobs are met: a large blob among small ones would be walked through in their steps.
 const QUIET_STRETCHES: u32 = 4u;
-const FEW_BLOBS: u32 = CAPACITY / 4u;
+const FEW_BLOBS: u32 = 24u;
 // Halvings of a stretch whose blobs do not fit.
 const MOST_HALVINGS: u32 = 12u;
 // g this little below 0 may be rounding.
@@ -64,10 +64,11 @@ fn drop_what_is_beyond(from_at: f32) {
     let high = stretch_end - base;
     var kept = 0u;
     for (var i = 0u; i < count; i++) {
-        let blob = met[i];
+        let blob = met(i);
         if reaches(blob, low, high) {
-            met[kept] = blob;
-            places[kept] = places[i];
+            if kept != i {
+                keep(kept, blob, met_word(i));
+            }
             kept++;
         }
     }
@@ -76,7 +77,7 @@ fn drop_what_is_beyond(from_at: f32) {
 
 fn make_room(from_at: f32) {
     drop_what_is_beyond(from_at);
-    for (var i = 0u; i < MOST_HALVINGS && count == CAPACITY; i++) {
+    for (var i = 0u; i < MOST_HALVINGS && count == params.capacity; i++) {
         let middle = stretch_start + 0.5 * (stretch_end - stretch_start);
         if !(middle > from_at) {
             break;
@@ -84,7 +85,7 @@ fn make_room(from_at: f32) {
         stretch_end = middle;
         drop_what_is_beyond(from_at);
     }
-    if count == CAPACITY {
+    if count == params.capacity {
         trouble = NO_ROOM;
     }
 }
@@ -120,19 +121,18 @@ fn visit_leaf(reference: u32, near: f32, from_at: f32, reach: f32) {
             // What was met so far lies far behind: count from here.
             let shift = base - near;
             for (var i = 0u; i < count; i++) {
-                met[i].x += shift;
+                met_blobs[first_met + i * WORKGROUP].x += shift;
             }
             base = near;
         }
-        if count == CAPACITY {
+        if count == params.capacity {
             make_room(from_at);
             if trouble != MISS {
                 return;
             }
         }
         let c = line.c + (near - base);
-        met[count] = vec4f(c, line.beta, line.g0, blob_weight(at));
-        places[count] = at;
+        keep(count, vec4f(c, line.beta, line.g0, blob_weight(at)), at);
         count++;
         let enter = base + (c - sqrt(line.g0 / line.beta));
         stretch_start = min(stretch_start, max(enter, from_at));
@@ -200,7 +200,7 @@ fn gather(from_at: f32, reach: f32) {
 fn field_at(along: f32) -> vec2f {
     var sums = vec2f(0.0);
     for (var i = 0u; i < count; i++) {
-        let blob = met[i];
+        let blob = met(i);
         let away = along - blob.x;
         let g = max(blob.z - blob.y * away * away, 0.0);
         let part = blob.w * kernel_of_g(vec4f(g)).x;
@@ -213,7 +213,7 @@ fn field_at(along: f32) -> vec2f {
 fn upper_bound(from_at: f32, to_at: f32) -> f32 {
     var sum = 0.0;
     for (var i = 0u; i < count; i++) {
-        let blob = met[i];
+        let blob = met(i);
         let away = clamp(blob.x, from_at, to_at) - blob.x;
         let most = max(blob.z - blob.y * away * away, 0.0);
         sum += max(blob.w, 0.0) * kernel_of_g(vec4f(most)).x;
@@ -227,12 +227,12 @@ fn surface_at(along: f32) -> HitRecord {
     var strongest = NONE;
     var strength = -1.0;
     for (var i = 0u; i < count; i++) {
-        let blob = met[i];
+        let blob = met(i);
         let away = along - blob.x;
         if blob.z - blob.y * away * away < -NEXT_TO {
             continue;
         }
-        let at = places[i];
+        let at = met_word(i);
         let leaf = at - (at - params.leaves_at) % LEAF_WORDS;
         let center = bitcast<vec3f>(heap(leaf).xyz);
         let head = heap(at);
@@ -298,7 +298,10 @@ fn trace(wants_any: bool) -> HitRecord {
         let from_at = solved - base;
         let to_at = stretch_end - base;
         quiet++;
-        if quiet > QUIET_STRETCHES && count <= FEW_BLOBS {
+        if count > FEW_BLOBS {
+            reach = params.longest;
+            quiet = 0u;
+        } else if quiet > QUIET_STRETCHES {
             reach *= 2.0;
         }
         if !is_inside && upper_bound(from_at, to_at) < params.threshold {
@@ -351,6 +354,7 @@ fn closest(
     let index = number_of(group, groups, lane);
     if index < params.rays {
         ray = rays[index];
+        first_met = (index - lane) * params.capacity + lane;
         hits[index] = trace(false);
     }
 }
@@ -364,6 +368,7 @@ fn occluded(
     let index = number_of(group, groups, lane);
     if index < params.rays {
         ray = rays[index];
+        first_met = (index - lane) * params.capacity + lane;
         hits[index] = trace(true);
     }
 }

@@ -3,14 +3,31 @@
 //
 // φ = F − T for a ray outside, T − F for one inside.
 
-// The blobs that the stretch meets: c (counted from `base` along the ray), β, g₀, weight.
-var<private> met: array<vec4f, CAPACITY>;
+// The blobs that the stretches of all rays on their way meet: c (counted from `base` along the ray), β,
+// g₀, weight. Lane after lane, so that a workgroup's accesses lie side by side. Not in private memory,
+// which would be filled with zeros for each ray.
+@group(0) @binding(3) var<storage, read_write> met_blobs: array<vec4f>;
 // The word of each.
-var<private> places: array<u32, CAPACITY>;
+@group(0) @binding(4) var<storage, read_write> met_words: array<u32>;
+// Where this ray's are.
+var<private> first_met: u32;
 var<private> count: u32;
 var<private> base: f32;
 
 var<private> is_inside: bool;
+
+fn met(index: u32) -> vec4f {
+    return met_blobs[first_met + index * WORKGROUP];
+}
+
+fn met_word(index: u32) -> u32 {
+    return met_words[first_met + index * WORKGROUP];
+}
+
+fn keep(index: u32, blob: vec4f, word: u32) {
+    met_blobs[first_met + index * WORKGROUP] = blob;
+    met_words[first_met + index * WORKGROUP] = word;
+}
 
 // Relative rounding of a sum of kernels in f32: below this φ has no sign.
 const NOISE: f32 = 4e-7;
@@ -69,7 +86,7 @@ fn sample(at: Eight) -> Eight {
     var low = vec4f(0.0);
     var high = vec4f(0.0);
     for (var i = 0u; i < count; i++) {
-        let blob = met[i];
+        let blob = met(i);
         let away_low = at.low - blob.x;
         let away_high = at.high - blob.x;
         let g_low = max(blob.z - blob.y * away_low * away_low, vec4f(0.0));
@@ -85,7 +102,7 @@ fn sample(at: Eight) -> Eight {
 fn bend(from_at: f32, to_at: f32) -> vec2f {
     var bounds = vec2f(0.0);
     for (var i = 0u; i < count; i++) {
-        let blob = met[i];
+        let blob = met(i);
         let away = clamp(blob.x, from_at, to_at) - blob.x;
         if blob.z - blob.y * away * away > 0.0 {
             let steepness = blob.y * abs(blob.w);
@@ -101,7 +118,7 @@ fn bend(from_at: f32, to_at: f32) -> vec2f {
 fn last_approach() -> f32 {
     var last = -3e38;
     for (var i = 0u; i < count; i++) {
-        let blob = met[i];
+        let blob = met(i);
         if blob.z > 0.0 {
             last = max(last, select(blob.x, 3e38, blob.w < 0.0));
         }
@@ -115,7 +132,7 @@ fn departure(at: f32) -> vec2f {
     var slope = 0.0;
     var size = 0.0;
     for (var i = 0u; i < count; i++) {
-        let blob = met[i];
+        let blob = met(i);
         let away = at - blob.x;
         let pull = away * blob.y;
         let g = max(blob.z - pull * away, 0.0);
