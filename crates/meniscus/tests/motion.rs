@@ -1,13 +1,14 @@
 //! Moving blobs, judged by the oracle at the time of each ray.
 
 use glam::DVec3;
-use meniscus::accel::Engine;
+use meniscus::accel::cells::Cells;
+use meniscus::accel::{Accel, Engine};
 use meniscus::field::{BlobField, Motion, Search};
 use meniscus::frame::Blobs;
 use meniscus::intersect::Scratch;
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
-use meniscus::scene::EngineSettings;
+use meniscus::math::simd::Level;
 use meniscus_testing::corpus::{self, Scene};
 use meniscus_testing::examine::Question;
 use meniscus_testing::oracle::Oracle;
@@ -53,6 +54,15 @@ fn moving(scene: &Scene, distance: f64) -> Scene {
     }
 }
 
+/// The structure of that very engine, also where `cells` would hand the blobs on.
+fn built(field: &BlobField, engine: Engine, level: Level) -> Blobs {
+    let mut blobs = Blobs::build(field.clone(), engine, level);
+    if engine == Engine::Cells {
+        blobs.accel = Accel::Cells(Cells::build(field));
+    }
+    blobs
+}
+
 fn at_time(rays: Vec<Ray>, time: f64) -> Vec<Ray> {
     rays.into_iter().map(|ray| Ray { time, ..ray }).collect()
 }
@@ -80,7 +90,7 @@ fn moving_blobs_are_where_they_are_at_the_ray_s_time() {
                     let field = &scene.field;
                     levels().into_iter().map(move |level| {
                         let name = format!("{engine:?} {level:?}");
-                        (name, Blobs::build(field.clone(), engine, level))
+                        (name, built(field, engine, level))
                     })
                 })
                 .collect();
@@ -112,10 +122,10 @@ fn blobs_at_rest_under_an_open_shutter_stay_where_they_are() {
     let resting = moving(&still, 0.0);
     let oracle = Oracle::new(&still.field);
     let rays = at_time(rays::primary(&oracle, 40, DVec3::new(0.3, 0.5, 1.0)), 0.4);
-    for engine in [Engine::Particles, Engine::Interval, Engine::Sweep] {
+    for engine in ENGINES {
         let level = levels()[0];
         let trace = |field: &BlobField| {
-            let blobs = Blobs::build_with(field.clone(), engine, EngineSettings::default(), level);
+            let blobs = built(field, engine, level);
             let mut scratch = Scratch::default();
             let hit = |ray: &Ray| blobs.closest(ray, &mut scratch).map(|hit| hit.t);
             rays.iter().map(hit).collect::<Vec<_>>()
@@ -129,4 +139,31 @@ fn blobs_at_rest_under_an_open_shutter_stay_where_they_are() {
             }
         }
     }
+}
+
+#[test]
+fn cells_keep_blobs_that_move_with_their_neighbours() {
+    let still = corpus::scene("pool", Kernel::Sextic, 2000).field;
+    let built = |velocity: &dyn Fn(usize) -> [f32; 3]| {
+        let motion = Motion {
+            velocities: (0..still.len()).map(velocity).collect(),
+            half_accelerations: vec![[0.0; 3]; still.len()],
+            shutter: SHUTTER_SECS,
+        };
+        let field = BlobField {
+            motion: Some(motion),
+            search: Search::default(),
+            ..still.clone()
+        };
+        Blobs::build(field, Engine::Cells, levels()[0])
+            .accel
+            .engine()
+    };
+    let speed = 10.0 * still.spacing;
+    assert_eq!(built(&|_| [speed, 0.0, -speed]), Engine::Cells);
+    let scattering = |i: usize| {
+        let mut random = Stream::new(5, i as u64);
+        [(); 3].map(|()| speed * (random.unit() - 0.5) as f32)
+    };
+    assert_eq!(built(&scattering), Engine::Particles);
 }

@@ -53,8 +53,8 @@ impl Engine {
     /// Whether it traces blobs that move while the shutter is open.
     pub fn traces_motion(self) -> bool {
         match self {
-            Self::Particles | Self::Interval | Self::Sweep => true,
-            Self::Cells | Self::MetaballBvh | Self::FittedBvh => false,
+            Self::Cells | Self::Particles | Self::Interval | Self::Sweep => true,
+            Self::MetaballBvh | Self::FittedBvh => false,
         }
     }
 
@@ -81,7 +81,7 @@ pub enum Accel {
 
 impl Accel {
     /// Builds the structure. Blobs that move are traced by engine `particles` where the engine asked for
-    /// knows still ones only.
+    /// knows still ones only, or is `cells` and they move too much against each other.
     pub fn build(
         engine: Engine,
         field: &crate::field::BlobField,
@@ -89,7 +89,9 @@ impl Accel {
     ) -> Self {
         let particle_tree = || particles::ParticleTree::build(field, settings.builder);
         let metaballs = |boxes| MetaballTree::build(field, boxes, settings);
-        let engine = if field.motion.is_some() && !engine.traces_motion() {
+        let moves = field.motion.is_some();
+        let is_lost = engine == Engine::Cells && moves && !cells::Cells::suit(field);
+        let engine = if is_lost || (moves && !engine.traces_motion()) {
             Engine::Particles
         } else {
             engine

@@ -29,6 +29,11 @@ impl Motion {
         [self.velocities[i], self.half_accelerations[i]].map(|rate| Vec3::from(rate).as_dvec3())
     }
 
+    /// Whether any blob is accelerated.
+    pub fn is_accelerated(&self) -> bool {
+        self.half_accelerations.iter().any(|half| *half != [0.0; 3])
+    }
+
     /// The time within the shutter that is nearest to `time_secs`.
     pub fn clamped(&self, time_secs: f64) -> f64 {
         time_secs.clamp(self.shutter[0], self.shutter[1])
@@ -37,6 +42,28 @@ impl Motion {
     /// The middle of the shutter.
     pub fn middle_secs(&self) -> f64 {
         0.5 * (self.shutter[0] + self.shutter[1])
+    }
+
+    /// Half the time that the shutter is open.
+    pub fn half_shutter_secs(&self) -> f64 {
+        0.5 * (self.shutter[1] - self.shutter[0])
+    }
+
+    /// A time on the scale on which the shutter opens at −1 and closes at 1.
+    pub fn phase(&self, time_secs: f64) -> f64 {
+        (self.clamped(time_secs) - self.middle_secs()) / self.half_shutter_secs()
+    }
+
+    /// Where a blob with the centre `center` at the frame's time is in the middle of the shutter, its
+    /// velocity there and half its acceleration, on the scale of [`Motion::phase`].
+    pub fn by_phase(&self, i: usize, center: DVec3) -> [DVec3; 3] {
+        let [velocity, half] = self.rates(i);
+        let (middle, unit) = (self.middle_secs(), self.half_shutter_secs());
+        [
+            center + self.offset(i, middle),
+            (velocity + half * (2.0 * middle)) * unit,
+            half * (unit * unit),
+        ]
     }
 }
 
@@ -82,6 +109,28 @@ impl BlobField {
                 bounds
             }
         }
+    }
+}
+
+impl BlobField {
+    /// Boxes around the support of blob `i` when the shutter opens and closes, such that those between
+    /// them hold it at all times between: half an acceleration a' bends the way off its chord by up to
+    /// a'Δ²/4.
+    pub fn support_boxes_at_ends(&self, i: usize) -> [Aabb; 2] {
+        let Some(motion) = &self.motion else {
+            return [self.support_box(i); 2];
+        };
+        let half = Vec3::from_array(self.shapes.half_extents(i));
+        let bend = motion.rates(i)[1] * motion.half_shutter_secs().powi(2);
+        motion.shutter.map(|time_secs| {
+            let center = self.at(time_secs).center(i);
+            let low = center - bend.max(DVec3::ZERO);
+            let high = center - bend.min(DVec3::ZERO);
+            Aabb {
+                min: low.as_vec3() - half,
+                max: high.as_vec3() + half,
+            }
+        })
     }
 }
 

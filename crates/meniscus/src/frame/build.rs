@@ -175,7 +175,6 @@ impl Frame {
         field: BlobField,
         settings: &FrameSettings,
     ) -> Result<(), FrameError> {
-        // Without a word about engines it is `cells`, which hands moving blobs on.
         if field.motion.is_some()
             && matches!(settings.engine, Engine::MetaballBvh | Engine::FittedBvh)
         {

@@ -1,13 +1,17 @@
 //! Refines a coarse cell: split at midpoints, drop what is proven empty or solid.
 
 use super::coarse::CoarseBox;
-use super::filter::{self, BlobList, FieldBounds, filter};
+use super::filter::{self, FieldBounds, filter};
 use super::layout::{Block, Columns, DEEP};
 use super::leaf::finish_leaf;
+use super::list::BlobList;
+use super::moving::{drift, pieces_for, widening};
+use super::place::Place;
 use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
 use fearless_simd::Simd;
+use glam::Vec3;
 
 /// When a cell is small enough, and how hard leaves are trimmed. Lengths are in support radii of
 /// the leaf's own smallest blob.
@@ -19,8 +23,8 @@ pub struct BuildRule {
     pub few_side: f32,
     /// A cell below this side is a leaf however many blobs it has.
     pub smallest_side: f32,
-    /// A cell below `few_side` whose field at the centre is this many times the threshold probably is
-    /// solid: it is put off, and when a ray comes split down to `smallest_side`.
+    /// A cell whose field is this many times the threshold at points `few_side` apart probably is solid:
+    /// it is put off, and when a ray comes split down to `smallest_side`.
     pub deep: f32,
 }
 
@@ -38,17 +42,17 @@ pub(super) const MAX_DEPTH: u32 = 96;
 pub(super) enum BinaryNode {
     /// Two subtrees, the lower first, the axis that parts them and the box around them.
     Split {
-        bounds: Aabb,
+        bounds: Place,
         axis: usize,
         halves: Box<[BinaryNode; 2]>,
     },
     /// A leaf: its box, and its header block, or its place among the coarse cells, or [`DEEP`] and
     /// its place among the cells put off.
-    Leaf { bounds: Aabb, block: u32 },
+    Leaf { bounds: Place, block: u32 },
 }
 
 impl BinaryNode {
-    pub(super) fn bounds(&self) -> Aabb {
+    pub(super) fn bounds(&self) -> Place {
         match self {
             Self::Split { bounds, .. } | Self::Leaf { bounds, .. } => *bounds,
         }
@@ -90,34 +94,44 @@ impl BuildContext {
     }
 }
 
-/// The list's smallest support; an ellipsoid counts as the ball of the same volume.
+/// The support of a blob; an ellipsoid counts as the ball of the same volume.
+fn support_of<P: Primitive>(shape: &[f32]) -> f32 {
+    1.0 / match P::DIAGONAL {
+        [k] => shape[*k],
+        diagonal => diagonal.iter().map(|&k| shape[k]).product::<f32>().cbrt(),
+    }
+}
+
+/// The list's smallest support.
 fn smallest_support<P: Primitive>(list: &BlobList) -> f32 {
-    1.0 / list.largest_of_shapes::<P>(|a| match P::DIAGONAL {
-        [k] => a[*k],
-        diagonal => diagonal.iter().map(|&k| a[k]).product::<f32>().cbrt(),
-    })
+    list.smallest_of_shapes::<P>(support_of::<P>)
+}
+
+/// The length by which leaves are measured: the smallest support, widened by how the blob moves against
+/// the cell.
+fn leaf_scale<P: Primitive>(list: &BlobList, cell: &Place) -> f32 {
+    if !list.stored.moves() {
+        return smallest_support::<P>(list);
+    }
+    (0..list.count)
+        .map(|i| support_of::<P>(&list.shape::<P>(i)) + widening::<P>(list, cell, i))
+        .fold(f32::INFINITY, f32::min)
 }
 
 /// Whether a half of `cell` is small enough for bounds of second order.
-fn is_close<P: Primitive>(list: &BlobList, cell: Aabb) -> bool {
-    cell.size().max_element() < CLOSE_SIDE * smallest_support::<P>(list)
+fn is_close<P: Primitive>(list: &BlobList, cell: &Place) -> bool {
+    cell.middle().size().max_element() < CLOSE_SIDE * smallest_support::<P>(list)
 }
 
-/// The longest axis of `cell` and the halves across it, the lower first.
-pub(super) fn halves(cell: Aabb) -> (usize, [Aabb; 2]) {
-    let size = cell.size();
-    let axis = if size.x >= size.y && size.x >= size.z {
+/// The axis along which `size` is longest.
+pub(super) fn longest_axis(size: Vec3) -> usize {
+    if size.x >= size.y && size.x >= size.z {
         0
     } else if size.y >= size.z {
         1
     } else {
         2
-    };
-    let middle = cell.min[axis] + 0.5 * size[axis];
-    let mut halves = [cell; 2];
-    halves[0].max[axis] = middle;
-    halves[1].min[axis] = middle;
-    (axis, halves)
+    }
 }
 
 /// What to do with a cell.
@@ -132,12 +146,13 @@ enum Step {
 fn next_step<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     list: &BlobList,
-    cell: Aabb,
+    cell: &Place,
     (stalled, depth): (u32, u32),
     context: &BuildContext,
 ) -> Step {
-    let support = smallest_support::<P>(list);
-    let side = cell.size().max_element();
+    let support = leaf_scale::<P>(list, cell);
+    let middle = cell.middle();
+    let side = middle.size().max_element();
     let rule = &context.rule;
     if side < rule.smallest_side * support
         || stalled >= STALLED_SPLITS
@@ -147,17 +162,42 @@ fn next_step<S: Simd, K: KernelShape, P: Primitive>(
     {
         return Step::Finish;
     }
-    if side >= rule.few_side * support {
-        return Step::Split;
-    }
-    let value = filter::field_value::<S, K, P>(simd, list, cell.center());
-    if value >= rule.deep * context.threshold {
+    let few_side = rule.few_side * support;
+    if seems_deep::<S, K, P>(simd, list, middle, few_side, context) {
         Step::PutOff
-    } else if list.count <= rule.few_blobs {
+    } else if side < few_side && list.count <= rule.few_blobs {
         Step::Finish
     } else {
         Step::Split
     }
+}
+
+/// Points along each axis that are looked at to tell whether a cell lies deep; larger cells never do.
+const MOST_PROBES: usize = 8;
+
+/// Whether the field is far above the threshold at points spread over a cell, no farther apart than
+/// `distance`.
+fn seems_deep<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
+    list: &BlobList,
+    cell: Aabb,
+    distance: f32,
+    context: &BuildContext,
+) -> bool {
+    let size = cell.size();
+    if context.rule.deep.is_infinite() || size.max_element() > MOST_PROBES as f32 * distance {
+        return false;
+    }
+    let [nx, ny, nz] = size.to_array().map(|side| (side / distance) as usize + 1);
+    (0..nx * ny * nz).all(|probe| {
+        let place = [probe % nx, probe / nx % ny, probe / (nx * ny)];
+        let mut point = cell.min;
+        for (axis, count) in [nx, ny, nz].into_iter().enumerate() {
+            point[axis] += size[axis] * (place[axis] as f32 + 0.5) / count as f32;
+        }
+        let value = filter::field_value::<S, K, P>(simd, list, point);
+        value >= context.rule.deep * context.threshold
+    })
 }
 
 /// Splits in a row that shortened neither half's list.
@@ -206,10 +246,13 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
     pub(super) fn build<S: Simd>(
         mut self,
         simd: S,
-        cell: Aabb,
-        list: &BlobList,
+        cell: Place,
+        list: &mut BlobList,
         depth: u32,
     ) -> Option<Built> {
+        // Whoever comes to a cell that lies deep as a whole wants its inside.
+        self.leave_deep &=
+            next_step::<S, K, P>(simd, list, &cell, (0, depth), self.context) != Step::PutOff;
         let root = self.subtree(simd, cell, list, 0, depth)?;
         Some(Built {
             root,
@@ -221,40 +264,39 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
     fn subtree<S: Simd>(
         &mut self,
         simd: S,
-        cell: Aabb,
-        list: &BlobList,
+        cell: Place,
+        list: &mut BlobList,
         stalled: u32,
         depth: u32,
     ) -> Option<BinaryNode> {
-        let step = next_step::<S, K, P>(simd, list, cell, (stalled, depth), self.context);
+        let step = next_step::<S, K, P>(simd, list, &cell, (stalled, depth), self.context);
         if step == Step::PutOff && self.leave_deep {
             let index = self.deep.len() as u32;
-            self.deep.push(CoarseBox {
-                bounds: cell,
-                depth,
-            });
+            self.deep.push(CoarseBox { place: cell, depth });
             return Some(BinaryNode::Leaf {
                 bounds: cell,
                 block: DEEP | index,
             });
         }
+        list.pieces = pieces_for::<P>(list, &cell, smallest_support::<P>(list));
         if step == Step::Finish {
             let kept = &mut self.leaf_buffer;
             return finish_leaf::<S, K, P>(simd, self.context, cell, list, kept, &mut self.blocks)
                 .map(|(bounds, block)| BinaryNode::Leaf { bounds, block });
         }
-        let close = is_close::<P>(list, cell);
-        let (axis, parts) = halves(cell);
+        let close = is_close::<P>(list, &cell);
+        let axis = longest_axis(cell.middle().size());
+        let parts = cell.parted(axis, drift::<P>(list, &cell, axis));
         let mut lists = [(); 2].map(|()| self.buffers.pop().unwrap_or_default());
         let bounds = [0, 1].map(|i| {
             let place = parts[i].padded(self.context.pad);
-            filter::<S, K, P>(simd, list, place, close, &mut lists[i])
+            filter::<S, K, P>(simd, list, &place, close, &mut lists[i])
         });
         let stalled = next_stalled(stalled, list, [&lists[0], &lists[1]]);
         let mut children = [None, None];
         for i in 0..2 {
             if lists[i].count > 0 && !self.context.settled(bounds[i]) {
-                children[i] = self.subtree(simd, parts[i], &lists[i], stalled, depth + 1);
+                children[i] = self.subtree(simd, parts[i], &mut lists[i], stalled, depth + 1);
             }
         }
         self.buffers.extend(lists);

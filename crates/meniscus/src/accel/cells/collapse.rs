@@ -5,24 +5,33 @@ use super::layout::{LEAF, Node};
 use crate::math::aabb::Aabb;
 
 /// Eight-wide nodes, root first, from a binary tree; boxes are stored grown by `pad`.
-pub(super) fn collapse(root: &BinaryNode, pad: f32) -> Vec<Node> {
-    let mut nodes = vec![Node::EMPTY];
+pub(super) fn collapse(root: &BinaryNode, pad: f32, moves: bool) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    push(&mut nodes, moves);
     match root {
-        BinaryNode::Split { .. } => fill(root, 0, &mut nodes, pad),
-        BinaryNode::Leaf { .. } => place(root, 0, 0, &mut nodes, pad),
+        BinaryNode::Split { .. } => fill(root, 0, &mut nodes, pad, moves),
+        BinaryNode::Leaf { .. } => place(root, 0, 0, &mut nodes, pad, moves),
     }
     nodes
 }
 
+/// Appends a node without children.
+fn push(nodes: &mut Vec<Node>, moves: bool) {
+    nodes.push(Node::EMPTY);
+    if moves {
+        nodes.push(Node::EMPTY);
+    }
+}
+
 /// Makes node `index` of a split: opens the largest child until eight are there.
-fn fill(split: &BinaryNode, index: usize, nodes: &mut Vec<Node>, pad: f32) {
+fn fill(split: &BinaryNode, index: usize, nodes: &mut Vec<Node>, pad: f32, moves: bool) {
     let mut children: Vec<&BinaryNode> = vec![split];
     while children.len() < 8 {
         let widest = children
             .iter()
             .enumerate()
             .filter(|(_, child)| matches!(child, BinaryNode::Split { .. }))
-            .max_by(|(_, a), (_, b)| a.bounds().half_area().total_cmp(&b.bounds().half_area()))
+            .max_by(|(_, a), (_, b)| half_area(a).total_cmp(&half_area(b)))
             .map(|(slot, _)| slot);
         let Some(slot) = widest else { break };
         if let BinaryNode::Split { axis, halves, .. } = children[slot] {
@@ -33,8 +42,12 @@ fn fill(split: &BinaryNode, index: usize, nodes: &mut Vec<Node>, pad: f32) {
         }
     }
     for (slot, child) in children.into_iter().enumerate() {
-        place(child, index, slot, nodes, pad);
+        place(child, index, slot, nodes, pad, moves);
     }
+}
+
+fn half_area(node: &BinaryNode) -> f32 {
+    node.bounds().middle().half_area()
 }
 
 /// Notes in `before` that the child at `slot` was parted across `axis`: its lower half stays there,
@@ -53,21 +66,34 @@ fn part_slot(before: &mut [[u8; 8]; 4], slot: usize, upper: usize, axis: usize) 
     }
 }
 
-fn place(child: &BinaryNode, parent: usize, slot: usize, nodes: &mut Vec<Node>, pad: f32) {
+fn place(
+    child: &BinaryNode,
+    parent: usize,
+    slot: usize,
+    nodes: &mut Vec<Node>,
+    pad: f32,
+    moves: bool,
+) {
     let reference = match child {
         BinaryNode::Leaf { block, .. } => LEAF | block,
         BinaryNode::Split { .. } => {
             let index = nodes.len();
-            nodes.push(Node::EMPTY);
-            fill(child, index, nodes, pad);
+            push(nodes, moves);
+            fill(child, index, nodes, pad, moves);
             index as u32
         }
     };
-    let Aabb { min, max } = child.bounds().padded(pad);
-    let node = &mut nodes[parent];
-    for axis in 0..3 {
-        node.bounds[axis][slot] = min[axis];
-        node.bounds[3 + axis][slot] = max[axis];
+    let [open, close] = child.bounds().padded(pad).ends;
+    nodes[parent].children[slot] = reference;
+    set_box(&mut nodes[parent].bounds, slot, open);
+    if moves {
+        set_box(&mut nodes[parent + 1].bounds, slot, close);
     }
-    node.children[slot] = reference;
+}
+
+fn set_box(bounds: &mut [[f32; 8]; 6], slot: usize, Aabb { min, max }: Aabb) {
+    for axis in 0..3 {
+        bounds[axis][slot] = min[axis];
+        bounds[3 + axis][slot] = max[axis];
+    }
 }

@@ -5,108 +5,18 @@
 //! In a box smaller than the supports F at the centre, its gradient and a bound of its second
 //! derivative bound F far better.
 
-use super::layout::{Columns, LANES};
-use crate::field::BlobField;
+use super::layout::LANES;
+use super::list::{BlobList, copy_lanes, lanes_at, shape_at, weight_at};
+use super::moving;
+use super::place::Place;
 use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
 use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
 use crate::primitive::{Primitive, dot};
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, u32x16};
+use fearless_simd::{Simd, f32x16};
 use glam::Vec3;
-
-/// A list of blobs as columns: x, y, z, shape…, weight (as far as they vary), and their indices. Every
-/// column is padded to whole chunks with blobs that reach nothing.
-#[derive(Debug, Default, Clone)]
-pub(super) struct BlobList {
-    /// Blobs in the list; columns are longer.
-    pub(super) count: usize,
-    /// Which columns there are.
-    pub(super) stored: Columns,
-    /// `columns[k]` holds column k, `count` rounded up to [`LANES`] long plus one spare chunk.
-    pub(super) columns: Vec<Vec<f32>>,
-    /// Indices into the field.
-    pub(super) indices: Vec<u32>,
-}
-
-impl BlobList {
-    /// Empties the list and makes room for `capacity` blobs.
-    pub(super) fn reset<P: Primitive>(&mut self, stored: Columns, capacity: usize) {
-        let padded = capacity.next_multiple_of(LANES) + LANES;
-        self.count = 0;
-        self.stored = stored;
-        self.columns.resize_with(stored.count::<P>(), Vec::new);
-        for column in &mut self.columns {
-            if column.len() < padded {
-                column.resize(padded, 0.0);
-            }
-        }
-        if self.indices.len() < padded {
-            self.indices.resize(padded, 0);
-        }
-    }
-
-    /// Replaces the list by `blobs` of `field`.
-    pub(super) fn fill<P: Primitive>(&mut self, field: &BlobField, stored: Columns, blobs: &[u32]) {
-        self.reset::<P>(stored, blobs.len());
-        self.count = blobs.len();
-        for (row, &blob) in blobs.iter().enumerate() {
-            let blob = blob as usize;
-            for k in 0..3 {
-                self.columns[k][row] = field.centers[blob][k];
-            }
-            if stored.shape.is_none() {
-                let mut shape = [0.0; 6];
-                P::pack(&field.shapes, blob, &mut shape[..P::COLUMNS]);
-                for k in 0..P::COLUMNS {
-                    self.columns[Columns::SHAPE + k][row] = shape[k];
-                }
-            }
-            if stored.weight.is_none() {
-                self.columns[stored.weight_at::<P>()][row] = field.weights[blob];
-            }
-        }
-        self.indices[..blobs.len()].copy_from_slice(blobs);
-        self.pad::<P>();
-    }
-
-    /// Gives the lanes after the last blob values that no box reaches.
-    pub(super) fn pad<P: Primitive>(&mut self) {
-        let end = self.count.next_multiple_of(LANES);
-        for (k, column) in self.columns.iter_mut().enumerate() {
-            let value = if k == 0 { self.stored.nowhere } else { 0.0 };
-            column[self.count..end].fill(value);
-        }
-        if self.stored.shape.is_none() {
-            for k in P::DIAGONAL {
-                let narrow = 8.0 / self.stored.nowhere;
-                self.columns[Columns::SHAPE + k][self.count..end].fill(narrow);
-            }
-        }
-        self.indices[self.count..end].fill(u32::MAX);
-    }
-
-    /// The largest value of `of` over the shapes' columns; 0 of an empty list.
-    pub(super) fn largest_of_shapes<P: Primitive>(&self, of: impl Fn(&[f32]) -> f32) -> f32 {
-        if let Some(constant) = &self.stored.shape {
-            return if self.count > 0 {
-                of(&constant[..P::COLUMNS])
-            } else {
-                0.0
-            };
-        }
-        (0..self.count)
-            .map(|i| {
-                let mut shape = [0.0; 6];
-                for k in 0..P::COLUMNS {
-                    shape[k] = self.columns[Columns::SHAPE + k][i];
-                }
-                of(&shape[..P::COLUMNS])
-            })
-            .fold(0.0, f32::max)
-    }
-}
 
 /// Lower and upper bound of the field over a box.
 #[derive(Debug, Clone, Copy)]
@@ -115,38 +25,80 @@ pub(super) struct FieldBounds {
     pub(super) upper: f32,
 }
 
-/// Sixteen numbers of column `k`.
-#[inline(always)]
-fn lanes_at<S: Simd>(simd: S, list: &BlobList, k: usize, at: usize) -> f32x16<S> {
-    f32x16::from_slice(simd, &list.columns[k][at..at + LANES])
-}
+impl FieldBounds {
+    /// Of nowhere: the neutral element of [`FieldBounds::or`].
+    pub(super) const NONE: Self = Self {
+        lower: f32::INFINITY,
+        upper: f32::NEG_INFINITY,
+    };
 
-/// The shape of sixteen blobs.
-#[inline(always)]
-fn shape_at<S: Simd, P: Primitive>(simd: S, list: &BlobList, at: usize) -> [f32x16<S>; 6] {
-    let mut shape = [f32x16::splat(simd, 0.0); 6];
-    match &list.stored.shape {
-        Some(constant) => {
-            for k in 0..P::COLUMNS {
-                shape[k] = f32x16::splat(simd, constant[k]);
-            }
-        }
-        None => {
-            for k in 0..P::COLUMNS {
-                shape[k] = lanes_at(simd, list, Columns::SHAPE + k, at);
-            }
+    /// What both say.
+    #[inline(always)]
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            lower: self.lower.max(other.lower),
+            upper: self.upper.min(other.upper),
         }
     }
-    shape
+
+    /// What either allows.
+    pub(super) fn or(self, other: Self) -> Self {
+        Self {
+            lower: self.lower.min(other.lower),
+            upper: self.upper.max(other.upper),
+        }
+    }
 }
 
-/// The weights of sixteen blobs.
-#[inline(always)]
-fn weight_at<S: Simd, P: Primitive>(simd: S, list: &BlobList, at: usize) -> f32x16<S> {
-    match list.stored.weight {
-        Some(constant) => f32x16::splat(simd, constant),
-        None => lanes_at(simd, list, list.stored.weight_at::<P>(), at),
+/// Sixteen blobs' shapes and weights.
+pub(super) struct BlobLanes<S: Simd, P> {
+    shape: [f32x16<S>; 6],
+    abs_shape: [f32x16<S>; 6],
+    weight: f32x16<S>,
+    positive: f32x16<S>,
+    negative: f32x16<S>,
+    primitive: std::marker::PhantomData<P>,
+}
+
+impl<S: Simd, P: Primitive> BlobLanes<S, P> {
+    /// Those at `at`.
+    #[inline(always)]
+    pub(super) fn new(simd: S, list: &BlobList, at: usize) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        let shape = shape_at::<S, P>(simd, list, at);
+        let mut abs_shape = [zero; 6];
+        for k in 0..P::COLUMNS {
+            abs_shape[k] = shape[k].abs();
+        }
+        let weight = weight_at::<S, P>(simd, list, at);
+        Self {
+            shape,
+            abs_shape,
+            weight,
+            positive: weight.max(zero),
+            negative: weight.min(zero),
+            primitive: std::marker::PhantomData,
+        }
     }
+
+    /// A·v.
+    #[inline(always)]
+    pub(super) fn transformed(&self, v: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+        P::transform(&self.shape[..P::COLUMNS], v)
+    }
+
+    /// |A|·half: how far A·x may be from its middle over a box.
+    #[inline(always)]
+    pub(super) fn extent(&self, half: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+        P::transform(&self.abs_shape[..P::COLUMNS], half)
+    }
+}
+
+/// How near and far blobs are over a box.
+pub(super) struct Reached<S: Simd> {
+    pub(super) qmin: f32x16<S>,
+    g_most: f32x16<S>,
+    g_least: f32x16<S>,
 }
 
 struct BoxLanes<S: Simd> {
@@ -165,21 +117,22 @@ impl<S: Simd> BoxLanes<S> {
 }
 
 /// Sums over blobs from which the bounds follow, sixteen partial sums each.
-struct Sums<S: Simd> {
+pub(super) struct Sums<S: Simd> {
     /// Σ w·k at the farthest and nearest point of the box.
     lower: f32x16<S>,
     upper: f32x16<S>,
     /// F and ∇F at the centre.
     value: f32x16<S>,
     gradient: [f32x16<S>; 3],
-    /// Bounds of −F″ and +F″ along any direction, anywhere in the box.
+    /// Bounds of −F″ and +F″ along any direction, anywhere in the box; of blobs that move, times half the
+    /// square of how far each may be displaced.
     concave: f32x16<S>,
     convex: f32x16<S>,
 }
 
 impl<S: Simd> Sums<S> {
     #[inline(always)]
-    fn new(simd: S) -> Self {
+    pub(super) fn new(simd: S) -> Self {
         let zero = f32x16::splat(simd, 0.0);
         Self {
             lower: zero,
@@ -201,24 +154,28 @@ impl<S: Simd> Sums<S> {
         at: usize,
         close: bool,
     ) -> f32x16<S> {
-        let zero = f32x16::splat(simd, 0.0);
-        let shape = shape_at::<S, P>(simd, list, at);
-        let mut abs_shape = [zero; 6];
-        for k in 0..P::COLUMNS {
-            abs_shape[k] = shape[k].abs();
+        let blobs = BlobLanes::<S, P>::new(simd, list, at);
+        let y = blobs.transformed(xyz(
+            #[inline(always)]
+            |k| place.center[k] - lanes_at(simd, list, k, at),
+        ));
+        let reached = self.add_reached::<K, P>(simd, &blobs, y, blobs.extent(place.half));
+        if close {
+            self.add_close::<K, P>(simd, &blobs, y, &reached, None);
         }
-        let shape = &shape[..P::COLUMNS];
-        let weight = weight_at::<S, P>(simd, list, at);
-        let positive = weight.max(zero);
-        let negative = weight.min(zero);
-        let y = P::transform(
-            shape,
-            xyz(
-                #[inline(always)]
-                |k| place.center[k] - lanes_at(simd, list, k, at),
-            ),
-        );
-        let e = P::transform(&abs_shape[..P::COLUMNS], place.half);
+        reached.qmin
+    }
+
+    /// Adds to the bounds what blobs are at most and at least where A(x − p) stays within `e` of `y`.
+    #[inline(always)]
+    pub(super) fn add_reached<K: KernelShape, P: Primitive>(
+        &mut self,
+        simd: S,
+        blobs: &BlobLanes<S, P>,
+        y: [f32x16<S>; 3],
+        e: [f32x16<S>; 3],
+    ) -> Reached<S> {
+        let zero = f32x16::splat(simd, 0.0);
         let near = xyz(
             #[inline(always)]
             |k| (y[k].abs() - e[k]).max(zero),
@@ -231,50 +188,95 @@ impl<S: Simd> Sums<S> {
         let g_most = (qmin * -1.0 + 1.0).max(zero);
         let g_least = (dot(far, far) * -1.0 + 1.0).max(zero);
         let (most, least) = (K::of_g(g_most), K::of_g(g_least));
+        let (positive, negative) = (blobs.positive, blobs.negative);
         self.upper = Number::mul_add(positive, most, Number::mul_add(negative, least, self.upper));
         self.lower = Number::mul_add(positive, least, Number::mul_add(negative, most, self.lower));
-        if close {
-            let g = (dot(y, y) * -1.0 + 1.0).max(zero);
-            self.value = Number::mul_add(weight, K::of_g(g), self.value);
-            let scale = weight * K::slope(g) * -2.0;
-            let pull = P::transform_transposed(shape, y);
-            for k in 0..3 {
-                self.gradient[k] = Number::mul_add(scale, pull[k], self.gradient[k]);
-            }
-            // k″ along a unit u is 4k₂(yᵀAu)² − 2k₁|Au|² with k₁, k₂ the derivatives by g.
-            let mut steepest = zero;
-            for a in shape {
-                steepest = Number::mul_add(*a, *a, steepest);
-            }
-            let reached = g_most.simd_gt(zero);
-            let down = K::slope(g_most) * 2.0 * steepest;
-            let up = (K::curvature(g_most) * 4.0 * (g_least * -1.0 + 1.0)
-                - K::slope(g_least) * 2.0)
-                .max(zero)
-                * steepest;
-            let (down, up) = (reached.select(down, zero), reached.select(up, zero));
-            self.concave = Number::mul_add(positive, down, self.concave - negative * up);
-            self.convex = Number::mul_add(positive, up, self.convex - negative * down);
+        Reached {
+            qmin,
+            g_most,
+            g_least,
         }
-        qmin
     }
 
+    /// Adds to value, gradient and curvature at the centre, where A(x − p) is `y`; the curvature times
+    /// `reach` (half the square of how far the blob may be displaced), or 1. Returns ∇(w·k).
     #[inline(always)]
-    fn bounds(self, half: Vec3, close: bool) -> FieldBounds {
-        let (lower, upper) = (self.lower.reduce_sum(), self.upper.reduce_sum());
-        if !close {
-            return FieldBounds { lower, upper };
+    pub(super) fn add_close<K: KernelShape, P: Primitive>(
+        &mut self,
+        simd: S,
+        blobs: &BlobLanes<S, P>,
+        y: [f32x16<S>; 3],
+        reached: &Reached<S>,
+        reach: Option<f32x16<S>>,
+    ) -> [f32x16<S>; 3] {
+        let zero = f32x16::splat(simd, 0.0);
+        let shape = &blobs.shape[..P::COLUMNS];
+        let g = (dot(y, y) * -1.0 + 1.0).max(zero);
+        self.value = Number::mul_add(blobs.weight, K::of_g(g), self.value);
+        let scale = blobs.weight * K::slope(g) * -2.0;
+        let pull = P::transform_transposed(shape, y);
+        let mut gradient = [zero; 3];
+        for k in 0..3 {
+            gradient[k] = scale * pull[k];
+            self.gradient[k] = Number::mul_add(scale, pull[k], self.gradient[k]);
         }
-        let value = self.value.reduce_sum();
+        // k″ along a unit u is 4k₂(yᵀAu)² − 2k₁|Au|² with k₁, k₂ the derivatives by g.
+        let mut steepest = zero;
+        for a in shape {
+            steepest = Number::mul_add(*a, *a, steepest);
+        }
+        if let Some(reach) = reach {
+            steepest *= reach;
+        }
+        let (g_most, g_least) = (reached.g_most, reached.g_least);
+        let is_reached = g_most.simd_gt(zero);
+        let down = K::slope(g_most) * 2.0 * steepest;
+        let up = (K::curvature(g_most) * 4.0 * (g_least * -1.0 + 1.0) - K::slope(g_least) * 2.0)
+            .max(zero)
+            * steepest;
+        let (down, up) = (is_reached.select(down, zero), is_reached.select(up, zero));
+        let (positive, negative) = (blobs.positive, blobs.negative);
+        self.concave = Number::mul_add(positive, down, self.concave - negative * up);
+        self.convex = Number::mul_add(positive, up, self.convex - negative * down);
+        gradient
+    }
+
+    /// The bounds by what is at most and at least.
+    #[inline(always)]
+    pub(super) fn interval(&self) -> FieldBounds {
+        FieldBounds {
+            lower: self.lower.reduce_sum(),
+            upper: self.upper.reduce_sum(),
+        }
+    }
+
+    /// F at the centre, and by how much it may change towards the faces in first order.
+    #[inline(always)]
+    pub(super) fn value_and_slope(&self, half: Vec3) -> (f32, f32) {
         let [x, y, z] = self.gradient;
         let slope = x.reduce_sum().abs() * half.x
             + y.reduce_sum().abs() * half.y
             + z.reduce_sum().abs() * half.z;
-        let reach = 0.5 * half.length_squared();
+        (self.value.reduce_sum(), slope)
+    }
+
+    /// `reach`: half the square of how far the faces are, or 1 where the sums hold it.
+    #[inline(always)]
+    pub(super) fn second_order(&self, (value, slope): (f32, f32), reach: f32) -> FieldBounds {
         FieldBounds {
-            lower: lower.max(value - slope - reach * self.concave.reduce_sum()),
-            upper: upper.min(value + slope + reach * self.convex.reduce_sum()),
+            lower: value - slope - reach * self.concave.reduce_sum(),
+            upper: value + slope + reach * self.convex.reduce_sum(),
         }
+    }
+
+    #[inline(always)]
+    fn bounds(self, half: Vec3, close: bool) -> FieldBounds {
+        let bounds = self.interval();
+        if !close {
+            return bounds;
+        }
+        let reach = 0.5 * half.length_squared();
+        bounds.and(self.second_order(self.value_and_slope(half), reach))
     }
 }
 
@@ -283,13 +285,17 @@ fn center_and_half(bounds: Aabb) -> (Vec3, Vec3) {
     (bounds.center(), bounds.size() * 0.500_000_2)
 }
 
-/// Bounds of the field of `list` over `bounds`, the tight kind.
+/// Bounds of the field of `list` over `place`, the tight kind.
 #[inline(never)]
 pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     list: &BlobList,
-    bounds: Aabb,
+    place: &Place,
 ) -> FieldBounds {
+    if list.stored.moves() {
+        return moving::field_bounds::<S, K, P>(simd, list, place);
+    }
+    let bounds = place.middle();
     simd.vectorize(
         #[inline(always)]
         || {
@@ -304,7 +310,7 @@ pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
     )
 }
 
-/// The field of `list` at a point.
+/// The field of `list` at a point, in the middle of the shutter.
 #[inline(never)]
 pub(super) fn field_value<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
@@ -335,18 +341,21 @@ pub(super) fn field_value<S: Simd, K: KernelShape, P: Primitive>(
     )
 }
 
-/// Writes the blobs of `from` that reach `bounds` to `to` and returns the field's bounds there. With
+/// Writes the blobs of `from` that reach `place` to `to` and returns the field's bounds there. With
 /// `close` the bounds include those of second order about the centre, worth their cost once the box
 /// is no larger than the supports.
 #[inline(never)]
 pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     from: &BlobList,
-    bounds: Aabb,
+    place: &Place,
     close: bool,
     to: &mut BlobList,
 ) -> FieldBounds {
-    let column_count = from.stored.count::<P>();
+    if from.stored.moves() {
+        return moving::filter::<S, K, P>(simd, from, place, close, to);
+    }
+    let bounds = place.middle();
     to.reset::<P>(from.stored, from.count);
     let result = simd.vectorize(
         #[inline(always)]
@@ -363,15 +372,7 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
                 if bits == 0 {
                     continue;
                 }
-                let end = count + LANES;
-                for k in 0..column_count {
-                    lanes_at(simd, from, k, at)
-                        .compress(reached)
-                        .store_slice(&mut to.columns[k][count..end]);
-                }
-                u32x16::from_slice(simd, &from.indices[at..at + LANES])
-                    .compress(reached)
-                    .store_slice(&mut to.indices[count..end]);
+                copy_lanes(simd, from, at, reached, to, count);
                 count += bits.count_ones() as usize;
             }
             to.count = count;

@@ -3,7 +3,8 @@
 //! A leaf is one header block followed by chunks of [`LANES`] blobs in structure-of-arrays form:
 //! x, y, z relative to the leaf's centre, the shape's columns, the weight, the blob's index. Without
 //! the re-centring f32 is too coarse for a million particles. Columns that are the same for all blobs
-//! of the field ([`Columns`]) are not stored.
+//! of the field ([`Columns`]) are not stored. Nodes and leaves of blobs that move say where everything is
+//! within the shutter.
 
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
@@ -33,6 +34,9 @@ pub const LEAF: u32 = 1 << 31;
 pub const DEEP: u32 = 1 << 30;
 
 /// Eight children: their boxes axis by axis, where they are, and in which order rays meet them.
+///
+/// Where blobs move the boxes are those when the shutter opens, and each node is followed by another
+/// whose boxes are those when it closes; a face is in between in proportion to the time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub struct Node {
@@ -48,15 +52,15 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node without children.
+    /// A node without children. Its boxes are finite, so that there are numbers between two of them.
     pub const EMPTY: Self = Self {
         bounds: [
-            [f32::INFINITY; 8],
-            [f32::INFINITY; 8],
-            [f32::INFINITY; 8],
-            [f32::NEG_INFINITY; 8],
-            [f32::NEG_INFINITY; 8],
-            [f32::NEG_INFINITY; 8],
+            [f32::MAX; 8],
+            [f32::MAX; 8],
+            [f32::MAX; 8],
+            [f32::MIN; 8],
+            [f32::MIN; 8],
+            [f32::MIN; 8],
         ],
         children: [0; 8],
         before: [[0; 8]; 4],
@@ -105,6 +109,10 @@ pub struct Columns {
     pub weight: Option<f32>,
     /// x of lanes without a blob: beyond everything, so that nothing reaches them.
     pub nowhere: f32,
+    /// Columns of motion behind the weight: 0 where nothing moves; 3 of velocities; 6 with halves of
+    /// accelerations. Half the shutter is the unit of time, and x, y, z and velocities are those in its
+    /// middle.
+    pub motion: usize,
 }
 
 impl Columns {
@@ -113,10 +121,23 @@ impl Columns {
         shape: None,
         weight: None,
         nowhere: 0.0,
+        motion: 0,
     };
 
     /// The first of the shape's columns, behind x, y and z.
     pub const SHAPE: usize = 3;
+
+    /// Whether blobs move while the shutter is open.
+    #[inline(always)]
+    pub fn moves(&self) -> bool {
+        self.motion > 0
+    }
+
+    /// Whether they are accelerated.
+    #[inline(always)]
+    pub fn is_accelerated(&self) -> bool {
+        self.motion > 3
+    }
 
     /// Those of a field of at least one blob, all within `bounds`.
     pub fn of<P: Primitive>(field: &BlobField, bounds: &Aabb) -> Self {
@@ -128,6 +149,11 @@ impl Columns {
             shape: field.shapes.are_alike().then_some(shape),
             weight: weights_are_alike.then_some(weight),
             nowhere: 4.0 * bounds.min.abs().max(bounds.max.abs()).max_element(),
+            motion: match &field.motion {
+                None => 0,
+                Some(motion) if motion.is_accelerated() => 6,
+                Some(_) => 3,
+            },
         }
     }
 
@@ -137,10 +163,16 @@ impl Columns {
         Self::SHAPE + if self.shape.is_none() { P::COLUMNS } else { 0 }
     }
 
-    /// Stored columns without the index: x, y, z, shape, weight.
+    /// The first column of motion, or where it would be.
+    #[inline(always)]
+    pub fn motion_at<P: Primitive>(&self) -> usize {
+        self.weight_at::<P>() + usize::from(self.weight.is_none())
+    }
+
+    /// Stored columns without the index: x, y, z, shape, weight, motion.
     #[inline(always)]
     pub fn count<P: Primitive>(&self) -> usize {
-        self.weight_at::<P>() + usize::from(self.weight.is_none())
+        self.motion_at::<P>() + self.motion
     }
 
     /// Blocks per chunk: one per column and one of indices, the last.

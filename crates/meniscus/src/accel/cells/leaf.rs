@@ -1,13 +1,13 @@
 //! Finishes a leaf: proves it solid if it is, shaves faces that hold no surface, packs its blobs.
 
 use super::build::BuildContext;
-use super::filter::{BlobList, field_bounds, filter};
+use super::filter::{field_bounds, filter};
 use super::layout::{Block, Columns, LANES, LeafHeader};
+use super::list::BlobList;
+use super::place::Place;
 use crate::kernel::KernelShape;
-use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
 use fearless_simd::Simd;
-use glam::Vec3;
 
 /// Slabs tried on each face, as fractions of the box that is left. Where a thin one holds surface, so
 /// does a thicker one: most faces are done after one question.
@@ -24,11 +24,11 @@ const MARGIN_PARTS: f32 = 512.0;
 pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     context: &BuildContext,
-    cell: Aabb,
+    cell: Place,
     list: &BlobList,
     kept: &mut BlobList,
     blocks: &mut Vec<Block>,
-) -> Option<(Aabb, u32)> {
+) -> Option<(Place, u32)> {
     if octants_are_settled::<S, K, P>(simd, context, cell, list) {
         return None;
     }
@@ -37,8 +37,8 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
         for upper_face in [false, true] {
             let mut shaved = trimmed;
             for fraction in SHAVES {
-                let (slab, rest) = slab_and_rest(trimmed, axis, upper_face, fraction);
-                let bounds = field_bounds::<S, K, P>(simd, list, slab.padded(context.pad));
+                let [slab, rest] = trimmed.cut(axis, fraction, upper_face);
+                let bounds = field_bounds::<S, K, P>(simd, list, &slab.padded(context.pad));
                 if !context.settled(bounds) {
                     break;
                 }
@@ -47,7 +47,7 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
             trimmed = shaved;
         }
     }
-    let bounds = filter::<S, K, P>(simd, list, trimmed.padded(context.pad), true, kept);
+    let bounds = filter::<S, K, P>(simd, list, &trimmed.padded(context.pad), true, kept);
     if kept.count == 0 || context.settled(bounds) {
         return None;
     }
@@ -60,54 +60,13 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
 fn octants_are_settled<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     context: &BuildContext,
-    cell: Aabb,
+    cell: Place,
     list: &BlobList,
 ) -> bool {
-    let center = cell.center();
-    for octant in 0..8 {
-        let corner = Vec3::new(
-            if octant & 1 == 0 {
-                cell.min.x
-            } else {
-                cell.max.x
-            },
-            if octant & 2 == 0 {
-                cell.min.y
-            } else {
-                cell.max.y
-            },
-            if octant & 4 == 0 {
-                cell.min.z
-            } else {
-                cell.max.z
-            },
-        );
-        let bounds = Aabb {
-            min: corner.min(center),
-            max: corner.max(center),
-        };
-        if !context.settled(field_bounds::<S, K, P>(
-            simd,
-            list,
-            bounds.padded(context.pad),
-        )) {
-            return false;
-        }
-    }
-    true
-}
-
-fn slab_and_rest(bounds: Aabb, axis: usize, upper_face: bool, fraction: f32) -> (Aabb, Aabb) {
-    let (mut slab, mut rest) = (bounds, bounds);
-    let thickness = fraction * (bounds.max[axis] - bounds.min[axis]);
-    if upper_face {
-        slab.min[axis] = bounds.max[axis] - thickness;
-        rest.max[axis] = slab.min[axis];
-    } else {
-        slab.max[axis] = bounds.min[axis] + thickness;
-        rest.min[axis] = slab.max[axis];
-    }
-    (slab, rest)
+    (0..8).all(|octant| {
+        let place = cell.octant(octant).padded(context.pad);
+        context.settled(field_bounds::<S, K, P>(simd, list, &place))
+    })
 }
 
 /// The steepness from which blobs are too small for f32 in a leaf of this size; infinite where no
@@ -116,7 +75,7 @@ fn fine_beta<P: Primitive>(list: &BlobList, size: f32) -> f32 {
     // |A|² ≥ β along every ray. A coordinate's rounding, 2⁻²⁴ of the leaf's size, moves q by twice
     // itself times √β, which is to stay near 10⁻⁵.
     let limit = (FINEST_PART / size).powi(2);
-    let steepest = list.largest_of_shapes::<P>(|a| a.iter().map(|a| a * a).sum());
+    let steepest = -list.smallest_of_shapes::<P>(|a| -a.iter().map(|a| a * a).sum::<f32>());
     if steepest < limit {
         f32::INFINITY
     } else {
@@ -124,12 +83,13 @@ fn fine_beta<P: Primitive>(list: &BlobList, size: f32) -> f32 {
     }
 }
 
-fn pack<P: Primitive>(list: &BlobList, bounds: Aabb, pad: f32, blocks: &mut Vec<Block>) {
-    let center = bounds.center();
+fn pack<P: Primitive>(list: &BlobList, place: Place, pad: f32, blocks: &mut Vec<Block>) {
+    let center = place.middle().center();
+    let extent = place.hull().size().max_element();
     let header = LeafHeader {
         count: list.count,
         center: center.to_array(),
-        fine_beta: fine_beta::<P>(list, bounds.size().max_element().max(MARGIN_PARTS * pad)),
+        fine_beta: fine_beta::<P>(list, extent.max(MARGIN_PARTS * pad)),
     };
     blocks.push(header.to_block());
     for at in (0..list.count).step_by(LANES) {

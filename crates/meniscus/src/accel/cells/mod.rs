@@ -7,6 +7,10 @@
 //! Only coarse cells are made at once. What lies below one is refined when the first ray
 //! comes there, once and to the same bits whoever comes first: a picture sees a part of the surface,
 //! and nothing of what is deep inside. So a cell in it that seems to lie deep is put off once more.
+//!
+//! Where blobs move the planes between cells move with them: every face is given when the shutter opens
+//! and when it closes and is in between in proportion to the time, so that at any one time the cells are
+//! disjoint boxes as ever.
 
 mod build;
 mod coarse;
@@ -14,6 +18,9 @@ mod collapse;
 mod filter;
 pub mod layout;
 mod leaf;
+mod list;
+mod moving;
+mod place;
 pub mod traverse;
 
 pub use build::BuildRule;
@@ -25,8 +32,10 @@ use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
 use build::{BuildContext, Builder};
 use coarse::CoarseBox;
 use fearless_simd::Simd;
-use filter::BlobList;
 use layout::{Block, Columns, Node};
+use list::BlobList;
+use place::Place;
+use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -34,8 +43,8 @@ use std::time::Instant;
 /// The structure of engine `cells`.
 #[derive(Debug, Default)]
 pub struct Cells {
-    /// Eight-wide nodes over the coarse cells, root first; empty when the field has no surface. Leaf
-    /// references are indices of coarse cells.
+    /// Eight-wide nodes over the coarse cells, root first; empty when the field has no surface. Leaf references are
+    /// indices of coarse cells.
     pub nodes: Vec<Node>,
     coarse: Vec<CoarseCell>,
     /// Local box around all cells.
@@ -85,6 +94,11 @@ pub struct Part {
 }
 
 impl Cells {
+    /// Whether cells are worth building: blobs at rest, or blobs that move about as their neighbours do.
+    pub fn suit(field: &BlobField) -> bool {
+        moving::is_coherent(field)
+    }
+
     /// Builds the coarse cells of `field` with the leaf rule that suits it.
     pub fn build(field: &BlobField) -> Self {
         Self::build_with(field, default_rule(field))
@@ -95,7 +109,8 @@ impl Cells {
         if field.is_empty() {
             return Self::default();
         }
-        let bounds = field.bounds();
+        let place = place_of(field);
+        let bounds = place.hull();
         let context = BuildContext {
             threshold: field.threshold,
             // The slab test's rounding grows with the distance travelled within the box.
@@ -110,14 +125,14 @@ impl Cells {
                 Shapes::Ellipsoids(_) => Columns::of::<Ellipsoid>(field, &bounds),
             },
         };
-        let Some((root, boxes)) = coarse::split(field, &context, bounds) else {
+        let Some((root, boxes)) = coarse::split(field, &context, place) else {
             return Self::default();
         };
         let pad = 0.5 * context.pad;
         Self {
-            nodes: collapse::collapse(&root, pad),
+            nodes: collapse::collapse(&root, pad, context.stored.moves()),
             coarse: CoarseCell::all(boxes),
-            bounds: Some(root.bounds().padded(pad)),
+            bounds: Some(root.bounds().hull().padded(pad)),
             context,
             refinement_nanos: AtomicU64::new(0),
         }
@@ -161,12 +176,20 @@ impl Cells {
         leave_deep: bool,
     ) -> Option<Box<Part>> {
         let start = Instant::now();
-        let CoarseBox { bounds, depth } = *place;
-        let list = blobs_reaching::<P>(field, self.context.stored, bounds.padded(self.context.pad));
+        let CoarseBox { place, depth } = *place;
+        let BuildContext { pad, stored, .. } = self.context;
+        let mut list = blobs_reaching::<P>(field, stored, place.hull().padded(pad));
+        if place.moves() {
+            // Most of them reach it at some time only by the box of their whole way.
+            let mut reaching = BlobList::default();
+            list.pieces = 1;
+            filter::filter::<S, K, P>(simd, &list, &place.padded(pad), false, &mut reaching);
+            list = reaching;
+        }
         let builder = Builder::<K, P>::new(&self.context, leave_deep);
-        let part = builder.build(simd, bounds, &list, depth).map(|built| {
+        let part = builder.build(simd, place, &mut list, depth).map(|built| {
             Box::new(Part {
-                nodes: collapse::collapse(&built.root, 0.5 * self.context.pad),
+                nodes: collapse::collapse(&built.root, 0.5 * pad, stored.moves()),
                 blocks: built.blocks,
                 deep: CoarseCell::all(built.deep),
             })
@@ -188,6 +211,22 @@ impl Cells {
             + self.coarse.capacity() * size_of::<CoarseCell>()
             + refined
     }
+}
+
+/// The box around all supports.
+fn place_of(field: &BlobField) -> Place {
+    if field.motion.is_none() {
+        return Place::still(field.bounds());
+    }
+    let ends = (0..field.len())
+        .into_par_iter()
+        .map(|i| field.support_boxes_at_ends(i))
+        .reduce(
+            || [Aabb::EMPTY; 2],
+            |a, b| [a[0].union(b[0]), a[1].union(b[1])],
+        );
+    let pad = 1e-6 * ends[0].union(ends[1]).size().max_element();
+    Place { ends }.padded(pad)
 }
 
 /// Leaf constants by how many supports overlap: dense fluids want small leaves, sparse sets large.

@@ -171,12 +171,14 @@ impl Default for Stack {
 }
 
 /// Calls `leaf(part, block index, t near, t far)` for the pierced leaves from near to far until it
-/// returns true; `open` gives the inside of a coarse cell, or of a deep one of a part. Returns the number of nodes visited.
+/// returns true; `open` gives the inside of a coarse cell, or of a deep one of a part. With `MOVES`
+/// faces are where they are once the part `elapsed` of the shutter's time is over. Returns the number
+/// of nodes visited.
 #[inline(always)]
-pub fn visit_leaves<'a, S: Simd>(
+pub fn visit_leaves<'a, S: Simd, const MOVES: bool>(
     simd: S,
     cells: &'a Cells,
-    ray: &SlabRay,
+    (ray, elapsed): (&SlabRay, f32),
     stack: &mut Stack,
     mut open: impl FnMut(Option<&'a Part>, u32) -> Option<&'a Part>,
     mut leaf: impl FnMut(&'a Part, u32, f32, f32) -> bool,
@@ -184,6 +186,7 @@ pub fn visit_leaves<'a, S: Simd>(
     if cells.nodes.is_empty() {
         return 0;
     }
+    let elapsed = f32x8::splat(simd, elapsed);
     let origin: [f32x8<S>; 3] = splat3(simd, ray.origin);
     let inverse: [f32x8<S>; 3] = splat3(simd, ray.inverse);
     let octant = Octant::new([
@@ -223,18 +226,22 @@ pub fn visit_leaves<'a, S: Simd>(
             }
         } else {
             nodes_visited += 1;
-            let node = &level.nodes[current.reference as usize];
+            let index = current.reference as usize;
+            let ends = &level.nodes[index..index + 1 + usize::from(MOVES)];
+            let node = &ends[0];
             let near = xyz(
                 #[inline(always)]
                 |axis| {
-                    let faces = f32x8::from_slice(simd, &node.bounds[octant.near_row[axis]]);
+                    let row = octant.near_row[axis];
+                    let faces = faces_at::<_, MOVES>(simd, ends, row, elapsed);
                     (faces - origin[axis]) * inverse[axis]
                 },
             );
             let far = xyz(
                 #[inline(always)]
                 |axis| {
-                    let faces = f32x8::from_slice(simd, &node.bounds[octant.far_row[axis]]);
+                    let row = octant.far_row[axis];
+                    let faces = faces_at::<_, MOVES>(simd, ends, row, elapsed);
                     (faces - origin[axis]) * inverse[axis]
                 },
             );
@@ -277,5 +284,22 @@ pub fn visit_leaves<'a, S: Simd>(
         depth -= 1;
         current = visits[depth % STACK];
         level.back_to(current.level);
+    }
+}
+
+/// One of the six faces of a node's children at a time.
+#[inline(always)]
+fn faces_at<S: Simd, const MOVES: bool>(
+    simd: S,
+    ends: &[Node],
+    row: usize,
+    elapsed: f32x8<S>,
+) -> f32x8<S> {
+    let open = f32x8::from_slice(simd, &ends[0].bounds[row]);
+    if MOVES {
+        let close = f32x8::from_slice(simd, &ends[1].bounds[row]);
+        (close - open).mul_add(elapsed, open)
+    } else {
+        open
     }
 }

@@ -6,7 +6,6 @@ use crate::accel::cells::layout::{Block, LANES, LEAF, LeafHeader};
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
-use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -78,27 +77,6 @@ pub(super) fn leaves_of<P: Primitive>(
     blocks
 }
 
-/// The boxes around the support of blob `i` when the shutter opens and closes, such that those between
-/// them hold it at all times between: half an acceleration a' bends the way off its chord by up to
-/// a'Δ²/4.
-fn boxes_at_ends(field: &BlobField, i: usize) -> [Aabb; 2] {
-    let Some(motion) = &field.motion else {
-        return [field.support_box(i); 2];
-    };
-    let half = Vec3::from_array(field.shapes.half_extents(i));
-    let [open, close] = motion.shutter;
-    let bend = motion.rates(i)[1] * (0.25 * (close - open).powi(2));
-    motion.shutter.map(|time_secs| {
-        let center = field.at(time_secs).center(i);
-        let low = center - bend.max(DVec3::ZERO);
-        let high = center - bend.min(DVec3::ZERO);
-        Aabb {
-            min: low.as_vec3() - half,
-            max: high.as_vec3() + half,
-        }
-    })
-}
-
 /// Fills a leaf with its blobs; returns its boxes when the shutter opens and closes, which are the same
 /// where nothing moves.
 pub(super) fn fit_leaf<P: Primitive>(
@@ -114,7 +92,7 @@ pub(super) fn fit_leaf<P: Primitive>(
     let index = |slot: usize| indices[slot].to_bits() as usize;
     let mut ends = [Aabb::EMPTY; 2];
     for slot in 0..count {
-        let boxes = boxes_at_ends(field, index(slot));
+        let boxes = field.support_boxes_at_ends(index(slot));
         for (end, bounds) in ends.iter_mut().zip(boxes) {
             *end = end.union(bounds);
         }

@@ -52,29 +52,64 @@ pub(super) fn weight_lanes<S: Simd, P: Primitive>(
     }
 }
 
-/// Fills `active` with the blobs that the segment origin + s·direction, s in [0, length], meets and
-/// returns an upper bound of the field on it. Unit direction, leaf-relative origin.
+/// Coordinate `axis` of a chunk's blobs, relative to the leaf's centre, at a time within the shutter.
 #[inline(always)]
-pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive>(
+pub(super) fn center_lanes<S: Simd, P: Primitive>(
+    simd: S,
+    stored: &Columns,
+    chunk: &[Block],
+    axis: usize,
+    phase: f32,
+) -> f32x16<S> {
+    let first = stored.motion_at::<P>();
+    let velocity = lanes(simd, chunk, first + axis);
+    let phase = f32x16::splat(simd, phase);
+    let speed = if stored.is_accelerated() {
+        Number::mul_add(lanes(simd, chunk, first + 3 + axis), phase, velocity)
+    } else {
+        velocity
+    };
+    Number::mul_add(speed, phase, lanes(simd, chunk, axis))
+}
+
+/// A part of a ray: origin + s·direction for s in [0, length].
+pub(super) struct Segment {
+    /// Relative to the leaf's centre.
+    pub(super) origin: [f32; 3],
+    /// Unit direction.
+    pub(super) direction: [f32; 3],
+    pub(super) length: f32,
+    /// When, from −1 to 1 over the shutter.
+    pub(super) phase: f32,
+}
+
+/// Fills `active` with the blobs that the segment meets and returns an upper bound of the field on it.
+#[inline(always)]
+pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
     simd: S,
     leaf: &LeafView<'_>,
-    origin: [f32; 3],
-    direction: [f32; 3],
-    length: f32,
+    segment: &Segment,
     active: &mut Active,
 ) -> f32 {
     active.reserve(leaf.header.count);
     let stored = leaf.stored;
-    let origin: [f32x16<S>; 3] = splat3(simd, origin);
-    let direction: [f32x16<S>; 3] = splat3(simd, direction);
-    let length = f32x16::splat(simd, length);
+    let origin: [f32x16<S>; 3] = splat3(simd, segment.origin);
+    let direction: [f32x16<S>; 3] = splat3(simd, segment.direction);
+    let length = f32x16::splat(simd, segment.length);
     let zero = f32x16::splat(simd, 0.0);
     let mut upper = zero;
     let mut count = 0;
     for chunk in leaf.chunks.chunks_exact(stored.blocks_per_chunk::<P>()) {
         let w = xyz(
             #[inline(always)]
-            |k| lanes(simd, chunk, k) - origin[k],
+            |k| {
+                let center = if MOVES {
+                    center_lanes::<S, P>(simd, stored, chunk, k, segment.phase)
+                } else {
+                    lanes(simd, chunk, k)
+                };
+                center - origin[k]
+            },
         );
         let shape = shape_lanes::<S, P>(simd, stored, chunk);
         let line = P::along(&shape[..P::COLUMNS], w, direction);

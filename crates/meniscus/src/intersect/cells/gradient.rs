@@ -1,6 +1,6 @@
 //! The field's gradient and strongest blob at a point of a leaf.
 
-use super::gather::{lanes, shape_lanes, weight_lanes};
+use super::gather::{center_lanes, lanes, shape_lanes, weight_lanes};
 use crate::accel::cells::layout::{Block, Columns};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
@@ -10,11 +10,12 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, u32x16};
 use glam::DVec3;
 
-/// −∇F and the index of the blob with the largest |w·k| at `point` (leaf-relative).
+/// −∇F and the index of the blob with the largest |w·k| at `point` (leaf-relative), at a time within the
+/// shutter (−1 to 1).
 #[inline(always)]
 pub(in crate::intersect) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
-    stored: &Columns,
+    (stored, phase): (&Columns, f32),
     chunks: &[Block],
     point: [f32; 3],
 ) -> (DVec3, u32) {
@@ -27,7 +28,14 @@ pub(in crate::intersect) fn outward_and_strongest<S: Simd, K: KernelShape, P: Pr
     for chunk in chunks.chunks_exact(per_chunk) {
         let d = xyz(
             #[inline(always)]
-            |k| point[k] - lanes(simd, chunk, k),
+            |k| {
+                let center = if stored.moves() {
+                    center_lanes::<S, P>(simd, stored, chunk, k, phase)
+                } else {
+                    lanes(simd, chunk, k)
+                };
+                point[k] - center
+            },
         );
         let shape = shape_lanes::<S, P>(simd, stored, chunk);
         let y = P::transform(&shape[..P::COLUMNS], d);

@@ -17,7 +17,7 @@ use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
 use crate::primitive::Primitive;
 use fearless_simd::Simd;
-use gather::gather;
+use gather::{Segment, gather};
 use glam::DVec3;
 use packet::{Outcome, PacketScratch};
 
@@ -53,7 +53,7 @@ pub fn closest_many(
     scratch: &mut Scratch,
 ) {
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        if !packet::may_be_coherent(rays) {
+        if cells.stored().moves() || !packet::may_be_coherent(rays) {
             for (ray, hit) in rays.iter().zip(hits) {
                 *hit = ray
                     .is_traceable()
@@ -91,7 +91,7 @@ pub fn occluded_many(
     scratch: &mut Scratch,
 ) {
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        if !packet::may_be_coherent(rays) {
+        if cells.stored().moves() || !packet::may_be_coherent(rays) {
             for (ray, hit) in rays.iter().zip(hits) {
                 *hit = ray.is_traceable() && occluded(blobs, cells, ray, scratch);
             }
@@ -124,7 +124,7 @@ fn closest_alone(
         Found::BeyondF32 => sweep::first(blobs, blobs.exact_tree(), ray, scratch),
         Found::Crossing { t, leaf, entering } => {
             let at = ray.at(t) - blobs.field.origin;
-            let (outward, strongest) = gradient_at(blobs, &leaf, at);
+            let (outward, strongest) = gradient_at(blobs, &leaf, at, phase(blobs, ray.time));
             Some(BlobHit {
                 t,
                 outward,
@@ -157,9 +157,15 @@ fn find<'a>(
     scratch: &mut Scratch,
 ) -> Option<Found<'a>> {
     let local = local_ray(blobs, cells.bounds, ray)?;
-    let mut found = specialised!(blobs, simd, K, P => {
-        find_in_cells::<_, K, P>(simd, blobs, cells, &local, question, scratch)
-    })?;
+    let mut found = if cells.stored().moves() {
+        specialised!(blobs, simd, K, P => {
+            find_in_cells::<_, K, P, true>(simd, blobs, cells, &local, question, scratch)
+        })?
+    } else {
+        specialised!(blobs, simd, K, P => {
+            find_in_cells::<_, K, P, false>(simd, blobs, cells, &local, question, scratch)
+        })?
+    };
     if let Found::Crossing { t, .. } = &mut found {
         *t = local.parameter(ray, *t);
     }
@@ -167,7 +173,7 @@ fn find<'a>(
 }
 
 #[inline(always)]
-fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
+fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
     simd: S,
     blobs: &'a Blobs,
     cells: &'a Cells,
@@ -186,15 +192,20 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
     let counters = &mut scratch.counters;
     let direction = ray.direction.as_vec3().to_array();
     let mut search: Search = Search::new(blobs, cells.bounds, ray, question);
+    let phase = if MOVES {
+        phase(blobs, ray.time_secs)
+    } else {
+        0.0
+    };
     let mut first_leaf = true;
     let mut found = None;
     let nodes = simd.vectorize(
         #[inline(always)]
         || {
-            visit_leaves(
+            visit_leaves::<_, MOVES>(
                 simd,
                 cells,
-                &slab_ray,
+                (&slab_ray, 0.5 + 0.5 * phase),
                 stack,
                 #[inline(always)]
                 |within, index| cells.part::<S, K, P>(simd, &blobs.field, within, index),
@@ -205,7 +216,8 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
                     if first_leaf && !search.on_stated_side && search.is_past_start(near_f64) {
                         // The ray starts in a dropped cell, all of which lies on one side.
                         search.on_stated_side = ray.side_is_proven
-                            || (blobs.field.side(ray.origin) == Side::Inside) == ray.inside;
+                            || (blobs.field.at(ray.time_secs).side(ray.origin) == Side::Inside)
+                                == ray.inside;
                     }
                     first_leaf = false;
                     let leaf = LeafView::new::<P>(cells, part, block);
@@ -219,14 +231,13 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive>(
                         }
                     }
                     let length = far - near;
-                    let reach = gather::<S, K, P>(
-                        simd,
-                        &leaf,
-                        origin.to_array(),
+                    let segment = Segment {
+                        origin: origin.to_array(),
                         direction,
                         length,
-                        active,
-                    );
+                        phase,
+                    };
+                    let reach = gather::<S, K, P, MOVES>(simd, &leaf, &segment, active);
                     if search.stays_below(reach) {
                         return false;
                     }
@@ -291,11 +302,22 @@ fn meets_fine<P: Primitive>(blobs: &Blobs, leaf: &LeafView<'_>, ray: &LocalRay) 
         .any(|i| meets_fine_blob(field, i, leaf.header.fine_beta, ray))
 }
 
+/// The time within the shutter, from −1 to 1; 0 where nothing moves.
+fn phase(blobs: &Blobs, time_secs: f64) -> f32 {
+    let motion = blobs.field.motion.as_ref();
+    motion.map_or(0.0, |motion| motion.phase(time_secs) as f32)
+}
+
 /// −∇F and the strongest blob at a local point of a leaf.
-fn gradient_at(blobs: &Blobs, leaf: &LeafView<'_>, at: DVec3) -> (DVec3, u32) {
+fn gradient_at(blobs: &Blobs, leaf: &LeafView<'_>, at: DVec3, phase: f32) -> (DVec3, u32) {
     let point = (at - leaf.center()).as_vec3().to_array();
     specialised!(blobs, simd, K, P => simd.vectorize(
         #[inline(always)]
-        || gradient::outward_and_strongest::<_, K, P>(simd, leaf.stored, leaf.chunks, point)
+        || gradient::outward_and_strongest::<_, K, P>(
+            simd,
+            (leaf.stored, phase),
+            leaf.chunks,
+            point,
+        )
     ))
 }

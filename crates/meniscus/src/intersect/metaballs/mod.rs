@@ -275,7 +275,7 @@ fn gradient_at(blobs: &Blobs, tree: &MetaballTree, block: u32, at: DVec3) -> (DV
         #[inline(always)]
         || gradient::outward_and_strongest::<_, K, P>(
             simd,
-            &Columns::ALL,
+            (&Columns::ALL, 0.0),
             leaf_chunks::<P>(&tree.blocks, block, &header),
             point,
         )

@@ -1,0 +1,323 @@
+//! What [`filter`](super::filter) does for blobs that move and boxes whose faces move.
+//!
+//! The shutter's time s runs from −1 to 1 and is cut into pieces [u − h, u + h]. There the centre of the
+//! box less that of a blob is d + r·δ − a'·δ² with |δ| ≤ h, d their distance at u, r their relative
+//! velocity and a' half the blob's acceleration. So A(x − p) stays within
+//! E = |A|(half + h|ḣalf|) + h|A·r| + h²|A·a'| of A·d, and bounds follow as for boxes at rest; those over
+//! the shutter are the widest of its pieces.
+
+use super::filter::{BlobLanes, FieldBounds, Sums};
+use super::layout::LANES;
+use super::list::{BlobList, copy_lanes, lanes_at};
+use super::place::Place;
+use crate::field::BlobField;
+use crate::kernel::KernelShape;
+use crate::math::number::Number;
+use crate::math::simd::{splat3, xyz};
+use crate::primitive::{Primitive, Shapes, dot};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// More pieces cost more than they find.
+const MOST_PIECES: usize = 16;
+
+/// A piece is short enough when blobs move less than this against the cell, in supports.
+const PIECE_SUPPORTS: f32 = 0.1;
+
+/// Cells above this side, in supports, take the shutter as one piece.
+const ONE_PIECE_SIDE: f32 = 6.0;
+
+/// Cells of balls that move more than this against each other, in supports, are crossed by too many of
+/// them to pay; and those of ellipsoids, whose leaves are large as it is.
+const COHERENT_BALLS: f64 = 0.3;
+const COHERENT_ELLIPSOIDS: f64 = 0.1;
+
+/// Whether neighbouring blobs move alike enough for cells: by how far they depart from the way of the
+/// group that they are in, in the root mean square.
+pub(super) fn is_coherent(field: &BlobField) -> bool {
+    let Some(motion) = &field.motion else {
+        return true;
+    };
+    let groups: Vec<&[u32]> = field.support_tree().groups().collect();
+    // Groups in a fixed order, so that the sums do not depend on the number of threads.
+    let parts: Vec<f64> = groups
+        .par_iter()
+        .map(|blobs| {
+            let ways = || {
+                blobs.iter().map(|&blob| {
+                    let [_, velocity, half] = motion.by_phase(blob as usize, DVec3::ZERO);
+                    (velocity, half, field.shapes.mean_radius(blob as usize))
+                })
+            };
+            let mean = ways().map(|(velocity, ..)| velocity).sum::<DVec3>() / blobs.len() as f64;
+            ways()
+                .map(|(velocity, half, radius)| {
+                    let way = 2.0 * ((velocity - mean).length() + half.length());
+                    (way / radius).powi(2)
+                })
+                .sum()
+        })
+        .collect();
+    let mean_square = parts.iter().sum::<f64>() / field.len() as f64;
+    let limit = match field.shapes {
+        Shapes::Balls(_) => COHERENT_BALLS,
+        Shapes::Ellipsoids(_) => COHERENT_ELLIPSOIDS,
+    };
+    mean_square <= limit * limit
+}
+
+/// In how many pieces of the shutter bounds over parts of `place` are best taken.
+pub(super) fn pieces_for<P: Primitive>(list: &BlobList, place: &Place, support: f32) -> usize {
+    if !list.stored.moves() || place.middle().size().max_element() > ONE_PIECE_SIDE * support {
+        return 1;
+    }
+    let first = list.stored.motion_at::<P>();
+    let drift = place.drift();
+    let mut squares = 0.0;
+    for k in 0..3 {
+        let velocities = &list.columns[first + k][..list.count];
+        for velocity in velocities {
+            squares += (velocity - drift[k]).powi(2);
+        }
+        if list.stored.is_accelerated() {
+            for bend in &list.columns[first + 3 + k][..list.count] {
+                squares += 4.0 * bend * bend;
+            }
+        }
+    }
+    let way = 2.0 * (squares / list.count.max(1) as f32).sqrt();
+    let wanted = way / (PIECE_SUPPORTS * support);
+    // Also where it is not a number.
+    if wanted < MOST_PIECES as f32 {
+        (wanted.ceil() as usize).next_power_of_two()
+    } else {
+        MOST_PIECES
+    }
+}
+
+/// Part of the way that a blob moves against its cell which counts as its size: smaller cells would only
+/// be crossed by more blobs.
+const SIZE_OF_WAY: f32 = 0.5;
+
+/// By how much motion against `place` widens the blob of `list` in row `i`, as far as leaves are measured
+/// by supports.
+pub(super) fn widening<P: Primitive>(list: &BlobList, place: &Place, i: usize) -> f32 {
+    if !list.stored.moves() {
+        return 0.0;
+    }
+    let first = list.stored.motion_at::<P>();
+    let rates = |from: usize| Vec3::from_array([0, 1, 2].map(|k| list.columns[from + k][i]));
+    let mut way = (rates(first) - place.drift()).length();
+    if list.stored.is_accelerated() {
+        way += rates(first + 3).length();
+    }
+    2.0 * SIZE_OF_WAY * way
+}
+
+/// How far the blobs near the middle of `place` move along `axis` between the middle of the shutter and
+/// its end, on average.
+pub(super) fn drift<P: Primitive>(list: &BlobList, place: &Place, axis: usize) -> f32 {
+    if !list.stored.moves() {
+        return 0.0;
+    }
+    let middle = place.middle();
+    let at = middle.center()[axis];
+    let near = 0.25 * middle.size()[axis];
+    let places = &list.columns[axis][..list.count];
+    let velocities = &list.columns[list.stored.motion_at::<P>() + axis][..list.count];
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (place, velocity) in places.iter().zip(velocities) {
+        let counts = if (place - at).abs() <= near { 1.0 } else { 0.0 };
+        sum += counts * velocity;
+        count += counts;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// A box during one piece of the shutter.
+struct Piece<S: Simd> {
+    at: f32x16<S>,
+    reach: f32x16<S>,
+    center: [f32x16<S>; 3],
+    velocity: [f32x16<S>; 3],
+    half: Vec3,
+    sums: Sums<S>,
+    /// Σ ∇(w·k)·r and Σ |∇(w·k)·a'|.
+    along: f32x16<S>,
+    bent: f32x16<S>,
+}
+
+impl<S: Simd> Piece<S> {
+    #[inline(always)]
+    fn new(simd: S, place: &Place, piece: usize, pieces: usize) -> Self {
+        let reach = 1.0 / pieces as f32;
+        let at = (2 * piece + 1) as f32 * reach - 1.0;
+        let [open, close] = place.ends;
+        let middle = place.middle();
+        let velocity = place.drift();
+        let widening = 0.25 * (close.size() - open.size());
+        let half = 0.5 * middle.size() + at * widening + reach * widening.abs();
+        let zero = f32x16::splat(simd, 0.0);
+        Self {
+            at: f32x16::splat(simd, at),
+            reach: f32x16::splat(simd, reach),
+            center: splat3(simd, (middle.center() + velocity * at).to_array()),
+            velocity: splat3(simd, velocity.to_array()),
+            // Rounded so that the box is covered.
+            half: half * 1.000_000_4,
+            sums: Sums::new(simd),
+            along: zero,
+            bent: zero,
+        }
+    }
+
+    /// Adds sixteen blobs; returns their qmin.
+    #[inline(always)]
+    fn add<K: KernelShape, P: Primitive>(
+        &mut self,
+        simd: S,
+        blobs: &BlobLanes<S, P>,
+        [place, velocity, bend]: &[[f32x16<S>; 3]; 3],
+        close: bool,
+    ) -> f32x16<S> {
+        let d = xyz(
+            #[inline(always)]
+            |k| {
+                let speed = Number::mul_add(bend[k], self.at, velocity[k]);
+                Number::mul_add(speed, -self.at, self.center[k] - place[k])
+            },
+        );
+        let r = xyz(
+            #[inline(always)]
+            |k| self.velocity[k] - velocity[k] - bend[k] * self.at * 2.0,
+        );
+        let y = blobs.transformed(d);
+        let (turned, bent) = (blobs.transformed(r), blobs.transformed(*bend));
+        let half: [f32x16<S>; 3] = splat3(simd, self.half.to_array());
+        let still = blobs.extent(half);
+        let h = self.reach;
+        let e = xyz(
+            #[inline(always)]
+            |k| {
+                let turned = Number::mul_add(bent[k].abs(), h, turned[k].abs());
+                Number::mul_add(turned, h, still[k])
+            },
+        );
+        let reached = self.sums.add_reached::<K, P>(simd, blobs, y, e);
+        if close {
+            let length =
+                (dot(half, half)).sqrt() + (dot(r, r).sqrt() + dot(*bend, *bend).sqrt() * h) * h;
+            let reach = length * length * 0.5;
+            let gradient = self
+                .sums
+                .add_close::<K, P>(simd, blobs, y, &reached, Some(reach));
+            self.along += dot(gradient, r);
+            self.bent += dot(gradient, *bend).abs();
+        }
+        reached.qmin
+    }
+
+    #[inline(always)]
+    fn bounds(&self, close: bool, reach: f32) -> FieldBounds {
+        let bounds = self.sums.interval();
+        if !close {
+            return bounds;
+        }
+        let (value, slope) = self.sums.value_and_slope(self.half);
+        let in_time = (self.along.reduce_sum().abs() + self.bent.reduce_sum() * reach) * reach;
+        bounds.and(self.sums.second_order((value, slope + in_time), 1.0))
+    }
+}
+
+/// How sixteen blobs move: place and velocity in the middle of the shutter, half the acceleration.
+#[inline(always)]
+fn motion_at<S: Simd, P: Primitive>(simd: S, list: &BlobList, at: usize) -> [[f32x16<S>; 3]; 3] {
+    let first = list.stored.motion_at::<P>();
+    let column = |k: usize| lanes_at(simd, list, k, at);
+    [
+        [column(0), column(1), column(2)],
+        [column(first), column(first + 1), column(first + 2)],
+        if list.stored.is_accelerated() {
+            [column(first + 3), column(first + 4), column(first + 5)]
+        } else {
+            [f32x16::splat(simd, 0.0); 3]
+        },
+    ]
+}
+
+/// [`super::filter::field_bounds`] for blobs that move.
+#[inline(never)]
+pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
+    list: &BlobList,
+    place: &Place,
+) -> FieldBounds {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut bounds = FieldBounds::NONE;
+            let pieces = list.pieces.max(1);
+            for piece in 0..pieces {
+                let mut piece = Piece::new(simd, place, piece, pieces);
+                for at in (0..list.count).step_by(LANES) {
+                    let blobs = BlobLanes::<S, P>::new(simd, list, at);
+                    let motion = motion_at::<S, P>(simd, list, at);
+                    piece.add::<K, P>(simd, &blobs, &motion, true);
+                }
+                let here = piece.bounds(true, 1.0 / pieces as f32);
+                bounds = bounds.or(here);
+            }
+            bounds
+        },
+    )
+}
+
+/// [`super::filter::filter`] for blobs that move; blobs that reach the box at any time are kept.
+#[inline(never)]
+pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
+    simd: S,
+    from: &BlobList,
+    place: &Place,
+    close: bool,
+    to: &mut BlobList,
+) -> FieldBounds {
+    to.reset::<P>(from.stored, from.count);
+    let chunks = from.count.div_ceil(LANES);
+    let mut reached = std::mem::take(&mut to.reached);
+    reached.clear();
+    reached.resize(chunks, 0_u16);
+    let mut bounds = FieldBounds::NONE;
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let one = f32x16::splat(simd, 1.0);
+            let pieces = from.pieces.max(1);
+            for piece in 0..pieces {
+                let mut piece = Piece::new(simd, place, piece, pieces);
+                for (chunk, reached) in reached.iter_mut().enumerate() {
+                    let at = chunk * LANES;
+                    let blobs = BlobLanes::<S, P>::new(simd, from, at);
+                    let motion = motion_at::<S, P>(simd, from, at);
+                    let qmin = piece.add::<K, P>(simd, &blobs, &motion, close);
+                    *reached |= qmin.simd_lt(one).to_bitmask() as u16;
+                }
+                let here = piece.bounds(close, 1.0 / pieces as f32);
+                bounds = bounds.or(here);
+            }
+            let mut count = 0;
+            for (chunk, &bits) in reached.iter().enumerate() {
+                if bits != 0 {
+                    let mask = fearless_simd::mask32x16::from_bitmask(simd, u64::from(bits));
+                    copy_lanes(simd, from, chunk * LANES, mask, to, count);
+                    count += bits.count_ones() as usize;
+                }
+            }
+            to.count = count;
+        },
+    );
+    to.reached = reached;
+    to.pad::<P>();
+    bounds
+}
