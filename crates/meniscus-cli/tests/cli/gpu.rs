@@ -16,6 +16,7 @@ fn run_on_software(folder: &Folder, words: &str, variables: &[(&str, &str)]) -> 
 }
 
 /// Whether a driver is there to test with; if not, that is said.
+#[expect(clippy::print_stderr, reason = "tests say what they skip")]
 fn has_driver(folder: &Folder, test: &str) -> bool {
     let ended = run_on_software(
         folder,
@@ -30,7 +31,7 @@ fn has_driver(folder: &Folder, test: &str) -> bool {
             "{test}: {}; {REQUIRE_VARIABLE} forbids to skip it",
             ended.stderr
         );
-        println!("skipped {test}: {}", ended.stderr);
+        eprintln!("skipped {test}: {}", ended.stderr);
     }
     !missing
 }

@@ -26,6 +26,7 @@ fn some_scenes() -> Vec<Scene> {
         .collect()
 }
 
+#[expect(clippy::print_stderr, reason = "how many rays went where")]
 fn check(
     test: &str,
     scenes: &[Scene],
@@ -47,14 +48,14 @@ fn check(
             problems.extend(complaints(&gpu, &stage, &rays, question));
         }
         let work = gpu.work();
-        println!(
+        eprintln!(
             "{}: {} rays, {} crowded, {} on the CPU",
             scene.name, work.rays, work.crowded, work.on_cpu
         );
         traced += work.rays;
         on_cpu += work.on_cpu;
     }
-    println!(
+    eprintln!(
         "{test}: {traced} rays on {}, {on_cpu} of them answered by the CPU",
         device.describe()
     );

@@ -14,6 +14,7 @@ const REQUIRE_VARIABLE: &str = "MENISCUS_REQUIRE_GPU";
 
 /// Any adapter that runs shaders, shared by the tests of a program. Without one the test `test` has to
 /// be skipped, which is said.
+#[expect(clippy::print_stderr, reason = "tests say what they skip")]
 pub(crate) fn device(test: &str) -> Option<&'static Device> {
     static DEVICE: OnceLock<Result<Device, GpuError>> = OnceLock::new();
     let options = OpenOptions {
@@ -27,7 +28,7 @@ pub(crate) fn device(test: &str) -> Option<&'static Device> {
                 std::env::var_os(REQUIRE_VARIABLE).is_none(),
                 "{test}: {error}; {REQUIRE_VARIABLE} forbids to skip it"
             );
-            println!("skipped {test}: {error}");
+            eprintln!("skipped {test}: {error}");
             None
         }
     }
