@@ -197,3 +197,25 @@ fn moving_blobs() {
         assert!(work.on_cpu * 5 < work.rays, "{kind}: {work:?}");
     }
 }
+
+/// What is claimed of a million rays takes a million: `cargo test -p meniscus-gpu --test device -- --ignored`.
+#[test]
+#[ignore = "takes minutes"]
+fn a_million_rays() {
+    check(
+        "a_million_rays",
+        &corpus::suite(),
+        TracerOptions::default(),
+        |stage| {
+            let mut all = rays::hemisphere(&stage.points, 131);
+            for eye in EYES {
+                all.extend(rays::primary(stage.oracle, 90, eye));
+            }
+            for seed in 0..10 {
+                all.extend(rays::grazing(stage.oracle, &stage.points, 141 + seed));
+                all.extend(rays::inside(stage.oracle, &stage.points, 161 + seed));
+            }
+            rays::shuffled(all, 132)
+        },
+    );
+}
