@@ -7,7 +7,7 @@ use clap::Args;
 #[command(next_help_heading = "Engine")]
 pub(crate) struct EngineArgs {
     /// Acceleration structure and solver: cells, particles, interval, metaball-bvh,
-    /// fitted-bvh, sweep [default: cells]
+    /// fitted-bvh, sweep [default: cells; on a GPU particles]
     ///
     /// The papers' engines have switches in the scene's table `engine`, so --set reaches them.
     /// metaball-bvh and fitted-bvh: engine.cost=n|n2 [default: n2]. fitted-bvh: engine.fit,
@@ -16,7 +16,11 @@ pub(crate) struct EngineArgs {
     /// particles, interval: engine.builder=sah|morton [default: sah].
     #[arg(long, value_name = "NAME")]
     pub engine: Option<String>,
-    /// Where to trace: cpu, auto [default: cpu]
+    /// Where to trace: cpu, gpu, auto [default: auto]
+    ///
+    /// auto: a graphics card where there is one that can do the work, else the processor; if the card
+    /// fails in the middle of a picture, the processor does the rest. gpu: a card or an error.
+    /// MENISCUS_GPU=off hides cards, MENISCUS_GPU=software lets --device gpu run on software drivers.
     #[arg(long, value_name = "NAME")]
     pub device: Option<String>,
     /// Threads; the result is the same for any number [default: one per logical core]

@@ -1,10 +1,13 @@
 //! How rays are traced, and on what.
 
+use super::device::{DeviceWish, OpenDevice};
 use crate::args::engine::EngineArgs;
 use crate::exit::{Failure, Outcome};
+use crate::progress::Reporter;
 use meniscus::accel::Engine;
 use meniscus::frame::{Frame, FrameSettings};
 use meniscus::math::simd::{SimdLevel, level_name};
+use meniscus::scene::IntegratorKind;
 
 /// Engines that are announced and not there yet.
 const ENGINES_TO_COME: [&str; 1] = ["peel"];
@@ -12,7 +15,7 @@ const ENGINES_TO_COME: [&str; 1] = ["peel"];
 const MAX_THREADS: usize = 4096;
 
 /// A validated choice.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct EngineChoice {
     /// Engine and SIMD level; the engine's switches come from the scene.
     pub frame: FrameSettings,
@@ -20,8 +23,10 @@ pub(crate) struct EngineChoice {
     pub simd: &'static str,
     /// Threads.
     pub threads: usize,
-    /// Device.
-    pub device: &'static str,
+    /// The graphics card that traces, if one does.
+    pub device: Option<OpenDevice>,
+    wish: DeviceWish,
+    engine_is_given: bool,
 }
 
 impl EngineChoice {
@@ -31,20 +36,42 @@ impl EngineChoice {
         used.unwrap_or(self.frame.engine).name()
     }
 
-    /// Validates the options and starts the threads.
+    /// What `--stats` calls the device.
+    pub(crate) fn device_name(&self) -> &'static str {
+        match self.device {
+            None => "cpu",
+            Some(_) => "gpu",
+        }
+    }
+
+    /// Opens the device that was asked for, where it can do the work: a card traces with one engine and
+    /// cannot do what `undoable` names.
+    pub(crate) fn on_device(self, undoable: Option<&str>, reporter: &Reporter) -> Outcome<Self> {
+        let other_engine = self.engine_is_given && self.frame.engine != Engine::Particles;
+        let device = match undoable {
+            Some(undoable) => self.wish.refuse(undoable, reporter)?,
+            None if other_engine => {
+                let engine = format!("--engine {}", self.frame.engine.name());
+                self.wish.refuse(&engine, reporter)?
+            }
+            None => self.wish.open(reporter)?,
+        };
+        let mut choice = self;
+        if device.is_some() {
+            choice.frame.engine = Engine::Particles;
+        }
+        choice.device = device;
+        Ok(choice)
+    }
+
+    /// Validates the options and starts the threads. Everything is on the processor until
+    /// [`EngineChoice::on_device`].
     pub(crate) fn new(args: &EngineArgs) -> Outcome<Self> {
         let engine = match args.engine.as_deref() {
             None => Engine::default(),
             Some(name) => engine(name)?,
         };
-        match args.device.as_deref() {
-            None | Some("cpu" | "auto") => {}
-            Some("gpu") => return Err(Failure::not_yet("--device gpu", "cpu, auto")),
-            Some(other) => {
-                return Err(Failure::wrong(format!("there is no device `{other}`"))
-                    .with_help("there are: cpu, auto"));
-            }
-        }
+        let wish = DeviceWish::new(args.device.as_deref())?;
         let level = level(args.simd.as_deref().unwrap_or("auto"))?;
         if let Some(threads) = args.threads {
             if threads == 0 || threads > MAX_THREADS {
@@ -67,9 +94,17 @@ impl EngineChoice {
             },
             simd: level_name(level),
             threads: rayon::current_num_threads(),
-            device: "cpu",
+            device: None,
+            wish,
+            engine_is_given: args.engine.is_some(),
         })
     }
+}
+
+/// What a card cannot do of a picture.
+pub(crate) fn undoable(integrator: IntegratorKind) -> Option<String> {
+    (!meniscus::render::renders_on_device(integrator))
+        .then(|| format!("--integrator {}", integrator.name()))
 }
 
 fn engine(name: &str) -> Outcome<Engine> {

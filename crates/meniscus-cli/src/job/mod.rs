@@ -1,6 +1,7 @@
 //! From arguments to a validated job: what the words mean, and whether they make sense together.
 
 pub(crate) mod columns;
+pub(crate) mod device;
 pub(crate) mod engine;
 pub(crate) mod files;
 pub(crate) mod input;

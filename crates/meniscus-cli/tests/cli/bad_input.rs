@@ -137,10 +137,11 @@ fn settings_out_of_range() {
 #[test]
 fn what_is_announced_and_not_there_yet_is_said() {
     let folder = Folder::with_water();
-    for flags in ["--engine peel", "--device gpu"] {
-        let words = format!("render water.vtk -o out.png {flags}");
-        folder.fails(&words, 2, &["not available yet"]);
-    }
+    folder.fails(
+        "render water.vtk -o out.png --engine peel",
+        2,
+        &["not available yet"],
+    );
     folder.fails("bench paper gourmel-9", 2, &["gourmel-1"]);
     folder.fails("render water.vtk -o out.png --device tpu", 2, &["cpu"]);
     folder.fails("render water.vtk -o out.png --engine magic", 2, &["cells"]);

@@ -7,6 +7,7 @@ mod denoise;
 mod exact;
 mod film;
 mod generate;
+mod gpu;
 mod info;
 mod interrupt;
 mod motion;

@@ -13,6 +13,22 @@ pub(crate) struct Ended {
     pub(crate) stderr: String,
 }
 
+impl Ended {
+    /// Runs a command to its end.
+    pub(crate) fn of(mut command: Command) -> Self {
+        let Output {
+            status,
+            stdout,
+            stderr,
+        } = command.output().unwrap();
+        Self {
+            code: status.code(),
+            stdout: String::from_utf8(stdout).unwrap(),
+            stderr: String::from_utf8(stderr).unwrap(),
+        }
+    }
+}
+
 impl Folder {
     pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
@@ -50,22 +66,15 @@ impl Folder {
             .current_dir(self.0.path())
             .args(split(words))
             .env_remove("NO_COLOR")
+            // The same on machines with a card.
+            .env("MENISCUS_GPU", "off")
             .stdin(Stdio::null());
         command
     }
 
     /// Runs `meniscus` with these words; single quotes hold words together.
     pub(crate) fn run(&self, words: &str) -> Ended {
-        let Output {
-            status,
-            stdout,
-            stderr,
-        } = self.command(words).output().unwrap();
-        Ended {
-            code: status.code(),
-            stdout: String::from_utf8(stdout).unwrap(),
-            stderr: String::from_utf8(stderr).unwrap(),
-        }
+        Ended::of(self.command(words))
     }
 
     /// Runs it and wants success.

@@ -11,9 +11,12 @@ mod solids;
 mod solve;
 pub mod surface;
 pub mod sweep;
+mod tracer;
 mod world;
 
 pub use solids::SolidHit;
+pub use solve::{ClippedRay, Tolerances};
+pub use tracer::{BlobTracer, OnCpu, TraceError};
 
 use crate::accel::Accel;
 use crate::frame::Blobs;

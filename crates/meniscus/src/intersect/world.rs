@@ -2,13 +2,10 @@
 
 use super::clip::Span;
 use super::solids::SolidHit;
-use super::{BlobHit, Crossing, Hit, Scratch};
+use super::{BlobHit, BlobTracer, Crossing, Hit, OnCpu, Scratch};
 use crate::frame::{Frame, Geometry, Instance, Plane};
 use crate::math::ray::{Ray, Side};
 use glam::{DAffine3, DVec3};
-
-/// Rays that [`Frame::closest_hits`] and [`Frame::any_hits`] trace together.
-const TOGETHER: usize = 16;
 
 /// Rounding of a ray's origin, relative to the coordinates that it went through.
 pub(super) const ORIGIN_ERROR: f64 = 256.0 * f64::EPSILON;
@@ -66,16 +63,35 @@ impl Frame {
     /// # Panics
     /// If `hits` is not as long as `rays`.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch) {
+        let Ok(()) = self.closest_hits_by(&OnCpu, rays, hits, scratch);
+    }
+
+    /// [`Frame::closest_hits`], blob surfaces being traced by `tracer`.
+    ///
+    /// # Errors
+    /// Those of `tracer`.
+    ///
+    /// # Panics
+    /// If `hits` is not as long as `rays`.
+    pub fn closest_hits_by<T: BlobTracer + ?Sized>(
+        &self,
+        tracer: &T,
+        rays: &[Ray],
+        hits: &mut [Option<Hit>],
+        scratch: &mut Scratch,
+    ) -> Result<(), T::Error> {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         let mut buffers = std::mem::take(&mut scratch.object_rays);
-        for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
+        let together = tracer.together();
+        for (rays, hits) in rays.chunks(together).zip(hits.chunks_mut(together)) {
             hits.fill(None);
             self.find_spans(rays, &mut buffers);
             for surface in 0..self.instances.len() {
-                self.closest_on(surface, rays, hits, &mut buffers, scratch);
+                self.closest_on(tracer, surface, rays, hits, &mut buffers, scratch)?;
             }
         }
         scratch.object_rays = buffers;
+        Ok(())
     }
 
     fn find_spans(&self, rays: &[Ray], buffers: &mut ObjectRays) {
@@ -87,14 +103,15 @@ impl Frame {
     }
 
     /// Replaces hits by nearer ones on one surface.
-    fn closest_on(
+    fn closest_on<T: BlobTracer + ?Sized>(
         &self,
+        tracer: &T,
         surface: usize,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
         buffers: &mut ObjectRays,
         scratch: &mut Scratch,
-    ) {
+    ) -> Result<(), T::Error> {
         let instance = &self.instances[surface];
         let geometry = &self.geometries[instance.geometry as usize];
         let is_cut = geometry.is_cut() && !self.clips.is_empty();
@@ -129,7 +146,7 @@ impl Frame {
                 let found = &mut buffers.closest;
                 found.clear();
                 found.resize(rays.len(), None);
-                blobs.closest_many(moved, found, scratch);
+                tracer.closest_many(instance.geometry, blobs, moved, found, scratch)?;
                 let matrix = instance.object_from_world.matrix3.transpose();
                 for ((ray, hit), found) in rays.iter().zip(&mut *hits).zip(found) {
                     if let Some(f) = found {
@@ -172,7 +189,7 @@ impl Frame {
             }
         }
         if !is_cut {
-            return;
+            return Ok(());
         }
         // A ray that is still inside where it leaves the kept part comes out through a cap.
         for (index, (ray, hit)) in rays.iter().zip(&mut *hits).enumerate() {
@@ -185,6 +202,7 @@ impl Frame {
                 *hit = Some(self.cap(surface, ray, t, plane, false));
             }
         }
+        Ok(())
     }
 
     /// The hit on the cap that clip `plane` leaves on a surface.
@@ -221,26 +239,46 @@ impl Frame {
     /// # Panics
     /// If `hits` is not as long as `rays`.
     pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch) {
+        let Ok(()) = self.any_hits_by(&OnCpu, rays, hits, scratch);
+    }
+
+    /// [`Frame::any_hits`], blob surfaces being traced by `tracer`.
+    ///
+    /// # Errors
+    /// Those of `tracer`.
+    ///
+    /// # Panics
+    /// If `hits` is not as long as `rays`.
+    pub fn any_hits_by<T: BlobTracer + ?Sized>(
+        &self,
+        tracer: &T,
+        rays: &[Ray],
+        hits: &mut [bool],
+        scratch: &mut Scratch,
+    ) -> Result<(), T::Error> {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         let mut buffers = std::mem::take(&mut scratch.object_rays);
-        for (rays, hits) in rays.chunks(TOGETHER).zip(hits.chunks_mut(TOGETHER)) {
+        let together = tracer.together();
+        for (rays, hits) in rays.chunks(together).zip(hits.chunks_mut(together)) {
             hits.fill(false);
             self.find_spans(rays, &mut buffers);
             for surface in 0..self.instances.len() {
-                self.any_on(surface, rays, hits, &mut buffers, scratch);
+                self.any_on(tracer, surface, rays, hits, &mut buffers, scratch)?;
             }
         }
         scratch.object_rays = buffers;
+        Ok(())
     }
 
-    fn any_on(
+    fn any_on<T: BlobTracer + ?Sized>(
         &self,
+        tracer: &T,
         surface: usize,
         rays: &[Ray],
         hits: &mut [bool],
         buffers: &mut ObjectRays,
         scratch: &mut Scratch,
-    ) {
+    ) -> Result<(), T::Error> {
         let instance = &self.instances[surface];
         let geometry = &self.geometries[instance.geometry as usize];
         let is_cut = geometry.is_cut() && !self.clips.is_empty();
@@ -268,7 +306,7 @@ impl Frame {
                 let found = &mut buffers.occluded;
                 found.clear();
                 found.resize(rays.len(), false);
-                blobs.occluded_many(moved, found, scratch);
+                tracer.occluded_many(instance.geometry, blobs, moved, found, scratch)?;
                 for (hit, found) in hits.iter_mut().zip(found) {
                     *hit |= *found;
                 }
@@ -298,6 +336,7 @@ impl Frame {
                 *hit = *hit || leaving_cap(geometry, &buffers.rays[index], span, scratch).is_some();
             }
         }
+        Ok(())
     }
 
     /// Every crossing of a world-space ray with every surface, by t, appended to `crossings`.

@@ -1,14 +1,16 @@
-//! The CPU backend: tiles on a rayon pool.
+//! Tiles on a rayon pool: everything but the blob surfaces' answers to rays, which come from a
+//! [`BlobTracer`], is made on this machine's processor.
 
 use super::noise::{SURE_SAMPLES, TileNoise};
 use super::{Backend, Progress, RenderError, RenderSettings, RenderState, RenderStats};
 use crate::film::{CURVATURE, Film, MOTION, NO_INDEX, PixelSample, Region, SurfaceSample};
 use crate::frame::environment::luminance;
 use crate::frame::{Frame, Geometry};
-use crate::intersect::Hit;
 use crate::intersect::surface::Curvature;
+use crate::intersect::{BlobTracer, Hit, OnCpu};
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::{PixelFilter, PixelSampler};
+use crate::scene::IntegratorKind;
 use crate::scene::camera::Camera;
 use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader};
 use glam::Vec3;
@@ -17,12 +19,27 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Side of a tile in pixels: large enough for rays to find their neighbours' data in the cache, small
-/// enough to keep many threads busy to the end.
-const TILE_SIDE: u32 = 16;
+/// How a picture is cut up.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    /// Side of a tile in pixels.
+    tile_side: u32,
+    /// Side of the blocks of pixels whose rays are traced together; divides `tile_side`.
+    block_side: u32,
+}
 
-/// Side of the blocks of pixels whose rays are traced together; divides [`TILE_SIDE`].
-const BLOCK_SIDE: u32 = 4;
+/// Tiles large enough for rays to find their neighbours' data in the cache, small enough to keep many
+/// threads busy to the end; blocks of rays that lie close together.
+const ON_CPU: Cut = Cut {
+    tile_side: 16,
+    block_side: 4,
+};
+
+/// Tiles whose rays keep a device busy and whose buffers stay small.
+const ON_DEVICE: Cut = Cut {
+    tile_side: 256,
+    block_side: 256,
+};
 
 /// Renders on this machine's processor.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,23 +58,59 @@ impl Backend for CpuBackend {
         state: &RenderState,
         progress: &Progress<'_>,
     ) -> Result<(Film, RenderStats), RenderError> {
-        let job = Job::new(frame, camera, settings)?;
-        match settings.threads {
-            None => job.run(state, progress),
-            Some(threads) => rayon::ThreadPoolBuilder::new()
-                .num_threads(threads.max(1))
-                .build()
-                .map_err(|error| RenderError::Threads {
-                    threads,
-                    message: error.to_string(),
-                })?
-                .install(|| job.run(state, progress)),
+        Job::new((&OnCpu, ON_CPU), frame, camera, settings)?.run_on_threads(state, progress)
+    }
+}
+
+/// Renders with blob surfaces traced by another device, and everything else by this machine's processor.
+#[derive(Debug, Clone, Copy)]
+pub struct DeviceBackend<'a, T: ?Sized> {
+    /// What `--device` calls it.
+    pub name: &'static str,
+    /// Answers rays on the blobs of the frame that is rendered.
+    pub tracer: &'a T,
+}
+
+impl<T> Backend for DeviceBackend<'_, T>
+where
+    T: BlobTracer + ?Sized,
+    RenderError: From<T::Error>,
+{
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn render(
+        &self,
+        frame: &Frame,
+        camera: &Camera,
+        settings: &RenderSettings,
+        state: &RenderState,
+        progress: &Progress<'_>,
+    ) -> Result<(Film, RenderStats), RenderError> {
+        let kind = settings.integrator.kind;
+        if !renders_on_device(kind) {
+            return Err(RenderError::Integrator {
+                device: self.name,
+                integrator: kind.name(),
+            });
         }
+        Job::new((self.tracer, ON_DEVICE), frame, camera, settings)?.run_on_threads(state, progress)
+    }
+}
+
+/// Whether a device can render with an integrator: whether its rays are known many at a time.
+pub fn renders_on_device(integrator: IntegratorKind) -> bool {
+    match integrator {
+        IntegratorKind::Shaded => true,
+        IntegratorKind::Whitted | IntegratorKind::Ao | IntegratorKind::Path => false,
     }
 }
 
 /// One rendering, checked.
-struct Job<'a> {
+struct Job<'a, T: ?Sized> {
+    tracer: &'a T,
+    cut: Cut,
     camera: &'a Camera,
     frame: &'a Frame,
     settings: &'a RenderSettings,
@@ -71,8 +124,13 @@ struct Job<'a> {
     eye_side: Side,
 }
 
-impl<'a> Job<'a> {
+impl<'a, T> Job<'a, T>
+where
+    T: BlobTracer + ?Sized,
+    RenderError: From<T::Error>,
+{
     fn new(
+        (tracer, cut): (&'a T, Cut),
         frame: &'a Frame,
         camera: &'a Camera,
         settings: &'a RenderSettings,
@@ -87,6 +145,8 @@ impl<'a> Job<'a> {
         }
         let [width, height] = camera.size;
         Ok(Self {
+            tracer,
+            cut,
             camera,
             frame,
             settings,
@@ -118,6 +178,24 @@ impl<'a> Job<'a> {
         )?)
     }
 
+    fn run_on_threads(
+        &self,
+        state: &RenderState,
+        progress: &Progress<'_>,
+    ) -> Result<(Film, RenderStats), RenderError> {
+        match self.settings.threads {
+            None => self.run(state, progress),
+            Some(threads) => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.max(1))
+                .build()
+                .map_err(|error| RenderError::Threads {
+                    threads,
+                    message: error.to_string(),
+                })?
+                .install(|| self.run(state, progress)),
+        }
+    }
+
     fn run(
         &self,
         state: &RenderState,
@@ -127,7 +205,7 @@ impl<'a> Job<'a> {
         let total = self.region.pixels() * self.samples.len() as u64;
         // Merging is exact in any order, so tiles merge as they come.
         let whole = Mutex::new((self.film(self.region)?, RenderStats::default()));
-        let tiles = self.region.tiles(TILE_SIDE).into_iter();
+        let tiles = self.region.tiles(self.cut.tile_side).into_iter();
         let mut tiles: Vec<Tile> = tiles.map(Tile::new).collect();
         let mut done = self.samples.start;
         while done < self.samples.end && !tiles.is_empty() {
@@ -208,21 +286,22 @@ impl<'a> Job<'a> {
         progress: &Progress<'_>,
     ) -> Result<Film, RenderError> {
         let region = tile.region;
+        let block_side = self.cut.block_side;
         let mut film = self.film(region)?;
         let mut block = Block::default();
-        for top in (region.y / BLOCK_SIDE..).map(|row| row * BLOCK_SIDE) {
+        for top in (region.y / block_side..).map(|row| row * block_side) {
             if top >= region.y + region.height {
                 break;
             }
             if progress.is_cancelled() {
                 return Err(RenderError::Cancelled);
             }
-            for left in (region.x / BLOCK_SIDE..).map(|column| column * BLOCK_SIDE) {
+            for left in (region.x / block_side..).map(|column| column * block_side) {
                 if left >= region.x + region.width {
                     break;
                 }
                 for sample in samples.clone() {
-                    self.find_first(&mut block, [left, top], sample, scratch);
+                    self.find_first(&mut block, [left, top], sample, scratch)?;
                     self.add_block(&mut film, &mut block, tile, sample, scratch);
                 }
             }
@@ -239,12 +318,12 @@ impl<'a> Job<'a> {
         [left, top]: [u32; 2],
         sample: u32,
         scratch: &mut ShadeScratch,
-    ) {
+    ) -> Result<(), RenderError> {
         block.starts.clear();
         block.eye.rays.clear();
         let [width, height] = self.camera.size;
-        for y in top..(top + BLOCK_SIDE).min(height) {
-            for x in left..(left + BLOCK_SIDE).min(width) {
+        for y in top..(top + self.cut.block_side).min(height) {
+            for x in left..(left + self.cut.block_side).min(width) {
                 let mut sampler = PixelSampler::new([x, y], sample, self.settings.seed);
                 let position = self
                     .filter
@@ -261,7 +340,9 @@ impl<'a> Job<'a> {
                 });
             }
         }
-        self.shader.find_first(&mut block.eye, scratch);
+        Ok(self
+            .shader
+            .find_first(self.tracer, &mut block.eye, scratch)?)
     }
 
     /// When a sample is taken: spread evenly over the shutter, by numbers of their own, so that nothing

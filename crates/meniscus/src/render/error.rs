@@ -1,6 +1,8 @@
 //! Why a picture could not be rendered.
 
 use crate::film::FilmError;
+use crate::intersect::TraceError;
+use std::convert::Infallible;
 use thiserror::Error;
 
 /// Why a picture could not be rendered.
@@ -27,7 +29,24 @@ pub enum RenderError {
         /// Why.
         message: String,
     },
+    /// The device failed.
+    #[error(transparent)]
+    Device(#[from] TraceError),
+    /// The device cannot render with this integrator.
+    #[error("device {device} cannot render with integrator {integrator} yet")]
+    Integrator {
+        /// The device.
+        device: &'static str,
+        /// The integrator.
+        integrator: &'static str,
+    },
     /// Somebody asked to stop.
     #[error("the rendering was cancelled")]
     Cancelled,
+}
+
+impl From<Infallible> for RenderError {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
 }

@@ -6,6 +6,7 @@ mod passes;
 use crate::args::bench::BenchArgs;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
+use crate::job::device::Tracing;
 use crate::job::engine::EngineChoice;
 use crate::job::input;
 use crate::job::load::{self, LoadedFrame, ReadFrame};
@@ -20,6 +21,7 @@ use meniscus::scene::camera::Camera;
 use passes::{Bench, PassFigures};
 use serde::Serialize;
 use std::io::Write;
+use std::time::Instant;
 
 /// What `bench --json` prints. The keys are fixed: measurements read them.
 #[derive(Debug, Serialize)]
@@ -79,6 +81,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         [paper, table @ ..] if paper.as_os_str() == "paper" && table.len() <= 1 => {
             let table = table.first().map(|table| table.to_string_lossy());
             let engine = EngineChoice::new(&args.engine)?;
+            let engine = engine.on_device(Some("bench paper"), &reporter)?;
             return paper::run(table.as_deref(), &engine, args.repeats, &reporter);
         }
         [only] => std::slice::from_ref(only),
@@ -102,6 +105,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
             resolved.frames.len()
         )));
     };
+    let engine = engine.on_device(None, &reporter)?;
     reporter.start(1);
     let ReadFrame { files, .. } = load::read(input, &reporter)?;
     reporter.stage("build");
@@ -128,9 +132,13 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         Light::Sun { towards, .. } => Some(*towards),
         _ => None,
     });
+    let start = Instant::now();
+    let tracing = Tracing::of(engine.device.as_ref(), frame, &reporter)?;
+    let upload_secs = start.elapsed().as_secs_f64();
     reporter.stage("trace");
     let bench = Bench {
         frame,
+        tracing: &tracing,
         camera: &camera,
         shutter_secs: input.scene.motion.shutter_secs(),
         towards_light: towards_light.unwrap_or(DVec3::Y),
@@ -138,6 +146,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         reporter: &reporter,
     };
     let measured = bench.run()?;
+    tracing.tell(&reporter);
     let particles = loaded.particles();
     let structure_bytes = measured.structure_bytes;
     let refinement_secs = measured.refinement_secs / engine.threads as f64;
@@ -145,11 +154,11 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
     let report = BenchReport {
         engine: engine.name_for(frame),
         simd: engine.simd,
-        device: engine.device,
+        device: engine.device_name(),
         threads: engine.threads,
         repeats: args.repeats,
         particles,
-        build_secs: passes::median(&mut build_secs) + refinement_secs,
+        build_secs: passes::median(&mut build_secs) + refinement_secs + upload_secs,
         structure_bytes,
         bytes_per_particle: structure_bytes as f64 / particles.max(1) as f64,
         primary: measured.primary,

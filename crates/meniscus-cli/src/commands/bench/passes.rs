@@ -2,9 +2,10 @@
 
 use crate::exit::Outcome;
 use crate::interrupt;
+use crate::job::device::{Tracing, trace_failure};
 use crate::progress::Reporter;
 use meniscus::frame::Frame;
-use meniscus::intersect::{Counters, Hit, Scratch};
+use meniscus::intersect::{Counters, Hit, Scratch, TraceError};
 use meniscus::math::DVec3;
 use meniscus::math::ray::{Ray, Side};
 use meniscus::math::sampling::{PixelSampler, cosine_hemisphere};
@@ -33,6 +34,9 @@ pub(crate) struct PassFigures {
     pub best_mrays_per_sec: f64,
     /// Part of the rays that hit.
     pub hit_fraction: f64,
+    /// On a card: million rays a second by its own clock, from the median time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device_mrays_per_sec: Option<f64>,
 }
 
 /// What was measured.
@@ -58,6 +62,8 @@ pub(crate) struct Measured {
 pub(crate) struct Bench<'a> {
     /// The surfaces.
     pub frame: &'a Frame,
+    /// What traces them.
+    pub tracing: &'a Tracing<'a>,
     /// Where primary rays start.
     pub camera: &'a Camera,
     /// When the shutter opens and closes, in seconds relative to the frame.
@@ -95,7 +101,7 @@ impl Bench<'_> {
         let [width, height] = self.camera.size;
         let pixels = in_blocks(width, height);
         let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
-            self.frame.closest_hits(rays, hits, scratch);
+            self.tracing.closest_hits(self.frame, rays, hits, scratch)
         };
         let primary_ray = |pixel: &[u32; 2]| self.primary_ray(*pixel);
         let (figures, _, counters) = self.pass(0, &pixels, primary_ray, closest)?;
@@ -125,7 +131,7 @@ impl Bench<'_> {
         let [width, height] = self.camera.size;
         let pixels = in_blocks(width, height);
         let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
-            self.frame.closest_hits(rays, hits, scratch);
+            self.tracing.closest_hits(self.frame, rays, hits, scratch)
         };
         let primary_ray = |pixel: &[u32; 2]| self.primary_ray(*pixel);
         let (primary, hits, counters) = self.pass(0, &pixels, primary_ray, closest)?;
@@ -149,7 +155,7 @@ impl Bench<'_> {
             .collect();
         let shadow_ray = |start: &Start| self.leaving_surface(start, self.towards_light);
         let blocked = |rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch| {
-            self.frame.any_hits(rays, hits, scratch);
+            self.tracing.any_hits(self.frame, rays, hits, scratch)
         };
         let (shadow, ..) = self.pass(1, &lit, shadow_ray, blocked)?;
 
@@ -182,17 +188,19 @@ impl Bench<'_> {
         pass: u64,
         items: &[T],
         ray_of: impl Fn(&T) -> Ray + Sync,
-        trace: impl Fn(&[Ray], &mut [A], &mut Scratch) + Sync,
+        trace: impl Fn(&[Ray], &mut [A], &mut Scratch) -> Result<(), TraceError> + Sync,
     ) -> Outcome<(PassFigures, Vec<A>, Counters)> {
-        let mut times = Vec::new();
+        let (mut times, mut device_times) = (Vec::new(), Vec::new());
+        let together = self.tracing.together(CHUNK);
         let mut answers = vec![A::default(); items.len()];
         let mut counters = Counters::default();
         for repeat in 0..self.repeats {
             interrupt::check()?;
+            let device_before = self.tracing.device_secs().unwrap_or(0.0);
             let start = Instant::now();
             counters = items
-                .par_chunks(CHUNK)
-                .zip(answers.par_chunks_mut(CHUNK))
+                .par_chunks(together)
+                .zip(answers.par_chunks_mut(together))
                 .map_init(
                     <(Vec<Ray>, Scratch)>::default,
                     |(rays, scratch), (items, answers)| {
@@ -201,15 +209,18 @@ impl Bench<'_> {
                         for item in items {
                             rays.push(ray_of(item));
                         }
-                        trace(rays, answers, scratch);
-                        std::mem::take(&mut scratch.counters)
+                        trace(rays, answers, scratch)?;
+                        Ok(std::mem::take(&mut scratch.counters))
                     },
                 )
-                .reduce(Counters::default, |mut sum, part| {
+                .try_reduce(Counters::default, |mut sum, part| {
                     sum += part;
-                    sum
-                });
+                    Ok(sum)
+                })
+                .map_err(|error| trace_failure(&error))?;
             times.push(start.elapsed().as_secs_f64());
+            let device_secs = self.tracing.device_secs();
+            device_times.extend(device_secs.map(|secs| secs - device_before));
             let done = pass * u64::from(self.repeats) + u64::from(repeat) + 1;
             self.reporter.advance(done, 4 * u64::from(self.repeats));
         }
@@ -229,6 +240,8 @@ impl Bench<'_> {
             mrays_per_sec: rate(secs),
             best_mrays_per_sec: rate(times.first().copied().unwrap_or(0.0)),
             hit_fraction: hits as f64 / rays.max(1) as f64,
+            device_mrays_per_sec: (!device_times.is_empty())
+                .then(|| rate(median(&mut device_times))),
         };
         Ok((figures, answers, counters))
     }

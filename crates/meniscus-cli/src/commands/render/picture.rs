@@ -4,6 +4,7 @@ use super::ahead::Ready;
 use super::options::PictureOptions;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
+use crate::job::device::{Tracing, trace_failure};
 use crate::job::engine::EngineChoice;
 use crate::job::output::PictureFormat;
 use crate::progress::Reporter;
@@ -11,7 +12,8 @@ use crate::stats::{FrameStats, ImageStats, RayStats, peak_rss_bytes};
 use meniscus::film::{ChannelSet, Curve, Film, FilmError, Legend, Tone, WhitePoint};
 use meniscus::frame::{BaseColor, Frame};
 use meniscus::render::{
-    Backend, CpuBackend, Progress, RenderError, RenderSettings, RenderState, RenderStats,
+    Backend, CpuBackend, DeviceBackend, Progress, RenderError, RenderSettings, RenderState,
+    RenderStats,
 };
 use meniscus::scene::Scene;
 use meniscus::scene::camera::Camera;
@@ -141,13 +143,29 @@ impl FrameWork<'_> {
             ..RenderSettings::default()
         };
         reporter.stage("render");
+        let start = Instant::now();
+        let tracing = Tracing::of(self.engine.device.as_ref(), frame, reporter)?;
+        let upload_secs = start.elapsed().as_secs_f64();
         let advance = |done, total| reporter.advance(done, total);
         let progress = Progress::none()
             .with_cancel(&interrupt::CANCELLED)
             .with_callback(&advance);
-        CpuBackend
-            .render(frame, camera, &settings, self.state, &progress)
+        let rendered = match &tracing {
+            Tracing::Cpu => CpuBackend.render(frame, camera, &settings, self.state, &progress),
+            Tracing::Gpu(tracer) => DeviceBackend {
+                name: "gpu",
+                tracer: &**tracer,
+            }
+            .render(frame, camera, &settings, self.state, &progress),
+        };
+        tracing.tell(reporter);
+        rendered
+            .map(|(film, stats)| {
+                let seconds = stats.seconds + upload_secs;
+                (film, RenderStats { seconds, ..stats })
+            })
             .map_err(|error| match error {
+                RenderError::Device(error) => trace_failure(&error),
                 RenderError::Cancelled => Failure::Interrupted,
                 RenderError::Film(FilmError::Write { .. }) | RenderError::Threads { .. } => {
                     Failure::work(error.to_string())
@@ -225,7 +243,7 @@ impl FrameWork<'_> {
         FrameStats {
             particles: loaded.particles(),
             dropped: reports.iter().map(|report| report.dropped).sum(),
-            device: self.engine.device,
+            device: self.engine.device_name(),
             engine: self.engine.name_for(&loaded.frame),
             simd: self.engine.simd,
             threads: rendered.threads,

@@ -2,10 +2,12 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
+use crate::job::device::{Tracing, trace_failure};
 use crate::progress::Reporter;
 use meniscus::film::{FilmError, write_aside};
 use meniscus::frame::{Blobs, Frame, Instance};
-use meniscus::intersect::{Crossing, Hit, Scratch};
+use meniscus::intersect::{Crossing, Hit, Scratch, TraceError};
+use meniscus::math::DVec3;
 use meniscus::math::ray::Ray;
 use meniscus::shade::frame_attributes;
 use npyz::WriterBuilder;
@@ -72,14 +74,25 @@ impl Answers {
     pub(crate) fn of(
         question: Question,
         frame: &Frame,
+        tracing: &Tracing<'_>,
         rays: &[Ray],
         reporter: &Reporter,
     ) -> Outcome<Self> {
         match question {
             Question::Any => {
-                let occluded = traced(rays, reporter, |ray, scratch| {
-                    ray.is_traceable() && frame.any_hit(ray, scratch)
-                })?;
+                let occluded = match tracing {
+                    Tracing::Cpu => traced(rays, reporter, |ray, scratch| {
+                        ray.is_traceable() && frame.any_hit(ray, scratch)
+                    })?,
+                    Tracing::Gpu(_) => {
+                        traced_together(rays, tracing, reporter, |rays, scratch| {
+                            let mut hits = vec![false; rays.len()];
+                            let asked = only_traceable(rays);
+                            tracing.any_hits(frame, &asked, &mut hits, scratch)?;
+                            Ok(hits)
+                        })?
+                    }
+                };
                 Ok(Self::Any(occluded))
             }
             Question::All => {
@@ -92,9 +105,24 @@ impl Answers {
             }
             Question::Closest => {
                 let layout = frame_attributes(frame);
-                let found = traced(rays, reporter, |ray, scratch| {
-                    closest(frame, &layout, ray, scratch)
-                })?;
+                let found = match tracing {
+                    Tracing::Cpu => traced(rays, reporter, |ray, scratch| {
+                        let traceable = ray.is_traceable();
+                        let hit = traceable.then(|| frame.closest_hit(ray, scratch)).flatten();
+                        closest(frame, &layout, ray, hit, scratch)
+                    })?,
+                    Tracing::Gpu(_) => {
+                        traced_together(rays, tracing, reporter, |rays, scratch| {
+                            let mut hits = vec![None; rays.len()];
+                            let asked = only_traceable(rays);
+                            tracing.closest_hits(frame, &asked, &mut hits, scratch)?;
+                            let answers = rays.iter().zip(hits);
+                            Ok(answers
+                                .map(|(ray, hit)| closest(frame, &layout, ray, hit, scratch))
+                                .collect())
+                        })?
+                    }
+                };
                 Ok(Self::closest(&found, layout))
             }
         }
@@ -237,21 +265,50 @@ fn traced<T: Send>(
     Ok(chunks.into_iter().flatten().collect())
 }
 
+/// Asks rays many at a time, in parallel, in order.
+fn traced_together<T: Send>(
+    rays: &[Ray],
+    tracing: &Tracing<'_>,
+    reporter: &Reporter,
+    ask: impl Fn(&[Ray], &mut Scratch) -> Result<Vec<T>, TraceError> + Sync,
+) -> Outcome<Vec<T>> {
+    let done = AtomicU64::new(0);
+    let chunks: Vec<Vec<T>> = rays
+        .par_chunks(tracing.together(CHUNK))
+        .map_init(Scratch::default, |scratch, chunk| {
+            interrupt::check()?;
+            let answers = ask(chunk, scratch).map_err(|error| trace_failure(&error))?;
+            let before = done.fetch_add(chunk.len() as u64, Ordering::Relaxed);
+            reporter.advance(before + chunk.len() as u64, rays.len() as u64);
+            Ok(answers)
+        })
+        .collect::<Outcome<_>>()?;
+    Ok(chunks.into_iter().flatten().collect())
+}
+
+/// The rays, with those that are none replaced by some that hit nothing.
+fn only_traceable(rays: &[Ray]) -> Vec<Ray> {
+    let nothing = Ray::new(DVec3::ZERO, DVec3::X).with_range(0.0, -1.0);
+    let replaced = |ray: &Ray| if ray.is_traceable() { *ray } else { nothing };
+    rays.iter().map(replaced).collect()
+}
+
 fn blobs_of(frame: &Frame, surface: usize) -> Option<(&Blobs, &Instance)> {
     let instance = &frame.instances[surface];
     let blobs = frame.geometries[instance.geometry as usize].blobs()?;
     Some((blobs, instance))
 }
 
-fn closest(frame: &Frame, layout: &[(String, usize)], ray: &Ray, scratch: &mut Scratch) -> Closest {
+/// All that is asked about a ray's first hit.
+fn closest(
+    frame: &Frame,
+    layout: &[(String, usize)],
+    ray: &Ray,
+    hit: Option<Hit>,
+    scratch: &mut Scratch,
+) -> Closest {
     let numbers = layout.iter().map(|(_, components)| components).sum();
     let mut attributes = vec![0.0; numbers];
-    let traceable = ray.is_traceable();
-    let hit = if traceable {
-        frame.closest_hit(ray, scratch)
-    } else {
-        None
-    };
     let blobs = hit.and_then(|hit| Some((hit, blobs_of(frame, hit.surface as usize)?)));
     let mut id = -1;
     if let Some((hit, (blobs, instance))) = blobs {
@@ -276,7 +333,7 @@ fn closest(frame: &Frame, layout: &[(String, usize)], ray: &Ray, scratch: &mut S
         }
     }
     Closest {
-        inside: traceable && frame.starts_inside(ray, scratch),
+        inside: ray.is_traceable() && frame.starts_inside(ray, scratch),
         hit,
         id,
         attributes,

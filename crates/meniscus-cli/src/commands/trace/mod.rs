@@ -6,6 +6,7 @@ mod rays;
 use crate::args::trace::TraceArgs;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
+use crate::job::device::Tracing;
 use crate::job::engine::EngineChoice;
 use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::job::{files, input, load};
@@ -41,6 +42,7 @@ pub(crate) fn run(args: &TraceArgs) -> Outcome {
         }
     };
     let rays = rays::read(&args.rays)?;
+    let engine = engine.on_device(args.all.then_some("--all"), &reporter)?;
     reporter.start(1);
     // The shutter is open as long as rays ask for.
     let mut scene = (*input.scene).clone();
@@ -59,7 +61,9 @@ pub(crate) fn run(args: &TraceArgs) -> Outcome {
     } else {
         Question::Closest
     };
-    let answers = Answers::of(question, &loaded.frame, &rays, &reporter)?;
+    let tracing = Tracing::of(engine.device.as_ref(), &loaded.frame, &reporter)?;
+    let answers = Answers::of(question, &loaded.frame, &tracing, &rays, &reporter)?;
+    tracing.tell(&reporter);
     interrupt::check()?;
     reporter.stage("write");
     answers.write(&args.output)?;

@@ -25,7 +25,7 @@ use gradient::NearHit;
 use pool::{LeafRay, Pool};
 
 /// Stretches that are solved at once are this long, in typical supports …
-const LONGEST_STRETCH: f32 = 1.4;
+pub const LONGEST_STRETCH: f32 = 1.4;
 
 /// … and a frontier that is nearer than this is moved ahead before anything is solved.
 const SHORTEST_STRETCH: f32 = 0.35;

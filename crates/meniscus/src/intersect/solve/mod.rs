@@ -11,9 +11,11 @@ mod start;
 
 pub(super) use active::Active;
 pub(super) use fine::meets_fine_blob;
+pub use local::ClippedRay;
 pub(super) use local::{LocalRay, local_ray};
 pub(super) use search::{Question, Search};
 pub(super) use solver::{Entry, FirstCrossing, NOISE, Pending, Segment, Solver, Verdict};
+pub use start::Tolerances;
 pub(super) use start::{near_start, start_margin};
 
 /// Accuracy of t that the solver aims at, in spacings.

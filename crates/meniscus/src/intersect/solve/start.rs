@@ -31,6 +31,28 @@ pub(in crate::intersect) fn near_start(blobs: &Blobs, bounds: Option<Aabb>) -> f
     (NEAR_START_SPACINGS * blobs.field.spacing).max(8.0 * start_margin(bounds))
 }
 
+/// How exactly a field is traced in f32, in the field's lengths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerances {
+    /// Accuracy of a crossing.
+    pub crossing: f32,
+    /// How far rounding may move a blob along a ray, or a ray's start.
+    pub rounding: f32,
+    /// Up to this distance from the start of a ray that states its side, a crossing takes float64.
+    pub near_start: f32,
+}
+
+impl Tolerances {
+    /// Those of a field; `bounds` is the box around its structure.
+    pub fn of(blobs: &Blobs, bounds: Aabb) -> Self {
+        Self {
+            crossing: T_TOLERANCE_SPACINGS * blobs.field.spacing,
+            rounding: start_margin(Some(bounds)),
+            near_start: near_start(blobs, Some(bounds)),
+        }
+    }
+}
+
 /// The neighbourhood of the start of a ray that states its side there.
 pub(in crate::intersect) struct OwnStart {
     /// Crossings at smaller distances need float64; negative where none does.

@@ -11,7 +11,7 @@ use super::medium::MediumStack;
 use super::rays::{EyeRays, Seen, ShadeScratch};
 use super::world::World;
 use crate::frame::Frame;
-use crate::intersect::Hit;
+use crate::intersect::{BlobTracer, Hit};
 use crate::math::sampling::PixelSampler;
 use crate::scene::{Background, IntegratorKind, IntegratorSettings};
 use ambient::Ambient;
@@ -110,16 +110,26 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Traces the eye's rays to the first surfaces; [`Shader::sample`] goes on from there.
-    pub fn find_first(&self, eye: &mut EyeRays, scratch: &mut ShadeScratch) {
+    /// Lets `tracer` trace the eye's rays to the first surfaces, and with integrator `shaded` from there
+    /// to the lights; [`Shader::sample`] goes on.
+    ///
+    /// # Errors
+    /// Those of `tracer`.
+    pub fn find_first<T: BlobTracer + ?Sized>(
+        &self,
+        tracer: &T,
+        eye: &mut EyeRays,
+        scratch: &mut ShadeScratch,
+    ) -> Result<(), T::Error> {
         eye.hits.clear();
         eye.hits.resize(eye.rays.len(), None);
         self.world
             .frame
-            .closest_hits(&eye.rays, &mut eye.hits, &mut scratch.trace);
+            .closest_hits_by(tracer, &eye.rays, &mut eye.hits, &mut scratch.trace)?;
         if self.settings.integrator.kind == IntegratorKind::Shaded {
-            self.find_shadows(eye, scratch);
+            self.find_shadows(tracer, eye, scratch)?;
         }
+        Ok(())
     }
 
     /// What ray `index` of `eye` sees, with the random numbers of its sample; [`Shader::find_first`] has

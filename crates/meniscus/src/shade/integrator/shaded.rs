@@ -2,7 +2,7 @@
 //! the reflection of what is around; one shadow ray per light and hit.
 
 use super::{Gathered, Shader};
-use crate::intersect::Hit;
+use crate::intersect::{BlobTracer, Hit};
 use crate::math::ray::{Ray, Side};
 use crate::shade::light::LightSample;
 use crate::shade::{EyeRays, ShadeScratch};
@@ -15,7 +15,12 @@ const WALL_TRANSMISSION: f32 = 0.6;
 impl Shader<'_> {
     /// Looks for what stands between the hits and the lights, light by light. A shadow ray starts at
     /// the hit itself, on the stated outer side; no offset is needed.
-    pub(super) fn find_shadows(&self, eye: &mut EyeRays, scratch: &mut ShadeScratch) {
+    pub(super) fn find_shadows<T: BlobTracer + ?Sized>(
+        &self,
+        tracer: &T,
+        eye: &mut EyeRays,
+        scratch: &mut ShadeScratch,
+    ) -> Result<(), T::Error> {
         let count = eye.rays.len();
         eye.shadowed.clear();
         eye.shadowed
@@ -41,14 +46,18 @@ impl Shader<'_> {
             }
             bundle.hits.clear();
             bundle.hits.resize(bundle.rays.len(), false);
-            self.world
-                .frame
-                .any_hits(&bundle.rays, &mut bundle.hits, &mut scratch.trace);
+            self.world.frame.any_hits_by(
+                tracer,
+                &bundle.rays,
+                &mut bundle.hits,
+                &mut scratch.trace,
+            )?;
             for (&owner, &is_blocked) in bundle.owners.iter().zip(&bundle.hits) {
                 eye.shadowed[light * count + owner] = is_blocked;
             }
         }
         scratch.bundle = bundle;
+        Ok(())
     }
 
     /// What ray `index` sees; [`Shader::find_shadows`] has run.

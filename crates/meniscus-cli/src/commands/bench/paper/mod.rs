@@ -7,6 +7,7 @@ mod kanamori;
 use super::passes::{Bench, median};
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
+use crate::job::device::Tracing;
 use crate::job::engine::EngineChoice;
 use crate::progress::Reporter;
 use meniscus::accel::Engine;
@@ -146,6 +147,7 @@ impl Stage<'_> {
             .map_err(|error| Failure::work(error.to_string()))?;
         let bench = Bench {
             frame: &frame,
+            tracing: &Tracing::Cpu,
             camera: &camera,
             shutter_secs: [0.0; 2],
             towards_light: DVec3::Y,

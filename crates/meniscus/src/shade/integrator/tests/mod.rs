@@ -81,7 +81,7 @@ fn see(
         rays: vec![*ray],
         ..EyeRays::default()
     };
-    shader.find_first(&mut eye, scratch);
+    let Ok(()) = shader.find_first(&crate::intersect::OnCpu, &mut eye, scratch);
     shader.sample(&eye, 0, sampler, scratch)
 }
 

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# Builds, checks and times everything on the graphics card of this machine, in one call:
+#   benches/gpu.sh [FOLDER]
+# FOLDER (default target/gpu-bench) gets the scenes, the pictures of card and processor, and figures.md.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+folder="${1:-target/gpu-bench}"
+mkdir -p "$folder"
+figures="$folder/figures.md"
+: >"$figures"
+
+cargo build --release -p meniscus-cli --locked
+meniscus=target/release/meniscus
+
+echo "== tests on the card"
+MENISCUS_REQUIRE_GPU=1 cargo test --release -p meniscus-gpu --locked -- --nocapture | tee "$folder/tests.log" |
+  grep -E '^test |answered by the CPU|test result'
+
+say() { printf '%s\n' "$*" | tee -a "$figures"; }
+
+scene() { # name, generator, particles
+  [ -s "$folder/$1.toml" ] || "$meniscus" generate "$2" --count "$3" -o "$folder/$1.npy" -q
+}
+scene pool-100k pool 100000
+scene pool-1m pool 1000000
+scene scattered-100k scattered 100000
+scene splash-100k splash 100000
+
+say "| scene | pass | card's own clock, Mrays/s | with transfers, Mrays/s | processor, Mrays/s |"
+say "|---|---|---|---|---|"
+for name in pool-100k pool-1m scattered-100k splash-100k; do
+  size=1920x1080
+  [ "$name" = scattered-100k ] && size=640x480
+  for device in gpu cpu; do
+    "$meniscus" bench "$folder/$name.toml" --size "$size" --device "$device" --json -v >"$folder/$name-$device.json"
+  done
+  for pass in primary shadow hemisphere shuffled; do
+    read -r own with <<<"$(python3 -c "
+import json, sys
+p = json.load(open(sys.argv[1]))[sys.argv[2]]
+print(round(p.get('device_mrays_per_sec', float('nan')), 1), round(p['mrays_per_sec'], 1))" "$folder/$name-gpu.json" "$pass")"
+    cpu="$(python3 -c "
+import json, sys
+print(round(json.load(open(sys.argv[1]))[sys.argv[2]]['mrays_per_sec'], 1))" "$folder/$name-cpu.json" "$pass")"
+    say "| $name $size | $pass | $own | $with | $cpu |"
+  done
+done
+
+say ""
+say "| picture, 1920x1080, 4 samples | card, s | processor, s | pixels that differ by more than 2 of 255 |"
+say "|---|---|---|---|"
+for name in pool-100k pool-1m splash-100k; do
+  for device in gpu cpu; do
+    "$meniscus" render "$folder/$name.toml" -o "$folder/$name-$device.png" --size 1920x1080 --spp 4 \
+      --device "$device" --stats "$folder/$name-$device-picture.json" -q
+  done
+  say "$(python3 - "$folder/$name" <<'P'
+import json, struct, sys, zlib
+
+def pixels(path):
+    data = open(path, "rb").read()
+    at, parts = 8, []
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + size]
+        if kind == b"IHDR":
+            width, height, depth, color = struct.unpack(">IIBB", body[:10])
+        if kind == b"IDAT":
+            parts.append(body)
+        at += 12 + size
+    n = {2: 3, 6: 4}[color]
+    raw, stride = zlib.decompress(b"".join(parts)), width * n
+    before, rows = bytearray(stride), []
+    for y in range(height):
+        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for x in range(stride):
+            a = row[x - n] if x >= n else 0
+            b, c = before[x], before[x - n] if x >= n else 0
+            if kind == 1:
+                row[x] = row[x] + a & 255
+            elif kind == 2:
+                row[x] = row[x] + b & 255
+            elif kind == 3:
+                row[x] = row[x] + (a + b) // 2 & 255
+            elif kind == 4:
+                p = a + b - c
+                near = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
+                row[x] = row[x] + near & 255
+        rows.append(row)
+        before = row
+    return width * height, n, b"".join(map(bytes, rows))
+
+name = sys.argv[1]
+count, n, gpu = pixels(name + "-gpu.png")
+_, _, cpu = pixels(name + "-cpu.png")
+differ = sum(any(abs(gpu[i + k] - cpu[i + k]) > 2 for k in range(3)) for i in range(0, len(gpu), n))
+secs = [json.load(open(f"{name}-{device}-picture.json"))["render_secs"] for device in ("gpu", "cpu")]
+print(f"| {name.split('/')[-1]} | {secs[0]:.3f} | {secs[1]:.3f} | {differ} of {count} |")
+P
+)"
+done
+echo "figures are in $figures"

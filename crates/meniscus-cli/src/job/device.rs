@@ -1,0 +1,209 @@
+//! Where rays are traced: `--device`.
+
+use crate::exit::{Failure, Outcome};
+use crate::progress::Reporter;
+use meniscus::frame::Frame;
+use meniscus::intersect::{BlobTracer, Hit, OnCpu, Scratch, TraceError};
+use meniscus::math::ray::Ray;
+use meniscus_gpu::{AdapterChoice, Device, FrameTracer, GpuError, OpenOptions, Takeover};
+use std::sync::Arc;
+
+/// What was asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DeviceWish {
+    /// The processor.
+    Cpu,
+    /// A card, or an error.
+    Gpu,
+    /// A card where there is one that can do the work.
+    Auto,
+}
+
+/// An open card.
+#[derive(Debug, Clone)]
+pub(crate) struct OpenDevice {
+    device: Arc<Device>,
+    takeover: Takeover,
+}
+
+/// What to do where a card cannot.
+const ON_CPU: &str = "--device cpu traces on the processor";
+
+impl DeviceWish {
+    /// From the option's value.
+    pub(crate) fn new(name: Option<&str>) -> Outcome<Self> {
+        match name {
+            None | Some("auto") => Ok(Self::Auto),
+            Some("cpu") => Ok(Self::Cpu),
+            Some("gpu") => Ok(Self::Gpu),
+            Some(other) => Err(Failure::wrong(format!("there is no device `{other}`"))
+                .with_help("there are: cpu, gpu, auto")),
+        }
+    }
+
+    /// A card cannot do this work: an error, or the processor does it.
+    pub(crate) fn refuse(self, undoable: &str, reporter: &Reporter) -> Outcome<Option<OpenDevice>> {
+        match self {
+            Self::Cpu => Ok(None),
+            Self::Gpu => Err(
+                Failure::wrong(format!("--device gpu cannot do {undoable} yet")).with_help(ON_CPU),
+            ),
+            Self::Auto => {
+                reporter.note(&format!(
+                    "on the processor: a card cannot do {undoable} yet"
+                ));
+                Ok(None)
+            }
+        }
+    }
+
+    /// Opens a card.
+    pub(crate) fn open(self, reporter: &Reporter) -> Outcome<Option<OpenDevice>> {
+        let options = OpenOptions::from_environment();
+        match self {
+            Self::Cpu => Ok(None),
+            Self::Gpu => {
+                let device = Device::open(options)
+                    .map_err(|error| Failure::work(error.to_string()).with_help(ON_CPU))?;
+                reporter.note(&format!("on {}", device.describe()));
+                Ok(Some(OpenDevice {
+                    device: Arc::new(device),
+                    takeover: Takeover::Never,
+                }))
+            }
+            Self::Auto => match Device::open(OpenOptions {
+                choice: options.choice.without_software(),
+                ..options
+            }) {
+                Ok(device) => {
+                    reporter.tell(&format!("on {}; {ON_CPU}", device.describe()));
+                    Ok(Some(OpenDevice {
+                        device: Arc::new(device),
+                        takeover: Takeover::ByCpu,
+                    }))
+                }
+                Err(error @ GpuError::NoAdapter { .. }) => {
+                    if options.choice != AdapterChoice::Nothing {
+                        reporter.note(&format!("on the processor: {error}"));
+                    }
+                    Ok(None)
+                }
+                Err(error) => {
+                    reporter.warn(&format!("on the processor: {error}"));
+                    Ok(None)
+                }
+            },
+        }
+    }
+}
+
+/// What traces a frame.
+pub(crate) enum Tracing<'a> {
+    /// The processor.
+    Cpu,
+    /// A card.
+    Gpu(Box<FrameTracer<'a>>),
+}
+
+impl OpenDevice {
+    /// Uploads a frame; where that fails and the processor may take over, it does.
+    pub(crate) fn upload(&self, frame: &Frame, reporter: &Reporter) -> Outcome<Tracing<'_>> {
+        if self.takeover == Takeover::ByCpu && self.device.is_lost() {
+            return Ok(Tracing::Cpu);
+        }
+        match FrameTracer::upload(&self.device, frame, self.takeover) {
+            Ok(tracer) => Ok(Tracing::Gpu(Box::new(tracer))),
+            Err(error) if self.takeover == Takeover::ByCpu => {
+                reporter.warn(&format!("on the processor: {error}"));
+                Ok(Tracing::Cpu)
+            }
+            Err(error) => Err(Failure::work(error.to_string()).with_help(ON_CPU)),
+        }
+    }
+}
+
+/// The failure of a device that nobody takes over from.
+pub(crate) fn trace_failure(error: &TraceError) -> Failure {
+    Failure::work(error.to_string()).with_help(format!(
+        "{ON_CPU}; with --device auto it takes over by itself"
+    ))
+}
+
+impl Tracing<'_> {
+    /// What traces a frame on `device`, or on the processor where there is none.
+    pub(crate) fn of<'d>(
+        device: Option<&'d OpenDevice>,
+        frame: &Frame,
+        reporter: &Reporter,
+    ) -> Outcome<Tracing<'d>> {
+        match device {
+            None => Ok(Tracing::Cpu),
+            Some(device) => device.upload(frame, reporter),
+        }
+    }
+
+    /// Rays to be asked about together.
+    pub(crate) fn together(&self, on_cpu: usize) -> usize {
+        match self {
+            Self::Cpu => on_cpu,
+            Self::Gpu(tracer) => tracer.together(),
+        }
+    }
+
+    /// First hits of many rays.
+    pub(crate) fn closest_hits(
+        &self,
+        frame: &Frame,
+        rays: &[Ray],
+        hits: &mut [Option<Hit>],
+        scratch: &mut Scratch,
+    ) -> Result<(), TraceError> {
+        match self {
+            Self::Cpu => {
+                let Ok(()) = frame.closest_hits_by(&OnCpu, rays, hits, scratch);
+                Ok(())
+            }
+            Self::Gpu(tracer) => frame.closest_hits_by(&**tracer, rays, hits, scratch),
+        }
+    }
+
+    /// Whether many rays hit anything.
+    pub(crate) fn any_hits(
+        &self,
+        frame: &Frame,
+        rays: &[Ray],
+        hits: &mut [bool],
+        scratch: &mut Scratch,
+    ) -> Result<(), TraceError> {
+        match self {
+            Self::Cpu => {
+                let Ok(()) = frame.any_hits_by(&OnCpu, rays, hits, scratch);
+                Ok(())
+            }
+            Self::Gpu(tracer) => frame.any_hits_by(&**tracer, rays, hits, scratch),
+        }
+    }
+
+    /// Time of the device by its own clock so far, in seconds; `None` where it keeps none.
+    pub(crate) fn device_secs(&self) -> Option<f64> {
+        match self {
+            Self::Cpu => None,
+            Self::Gpu(tracer) => Some(tracer.work().device_secs).filter(|&secs| secs > 0.0),
+        }
+    }
+
+    /// Says what became of the device's work.
+    pub(crate) fn tell(&self, reporter: &Reporter) {
+        let Self::Gpu(tracer) = self else {
+            return;
+        };
+        if let Some(error) = tracer.lost() {
+            reporter.warn(&format!("{error}; the processor did the rest"));
+        }
+        let work = tracer.work();
+        reporter.note(&format!(
+            "{} rays on the card, {} of them answered by the processor",
+            work.rays, work.on_cpu
+        ));
+    }
+}

@@ -1,0 +1,204 @@
+//! Rays to the device and hits back.
+
+use crate::device::Device;
+use crate::error::GpuError;
+use std::sync::mpsc;
+use std::time::Duration;
+
+/// A ray as the shader reads it (`LocalRay` in `shaders/accel/particles.wgsl`), in bits.
+pub(crate) type RayRecord = [u32; 16];
+
+/// A hit as the shader writes it (`HitRecord` in `shaders/intersect/particles.wgsl`), in bits.
+pub(crate) type HitRecord = [u32; 8];
+
+/// What the shader knows beside the field (`Params` in `shaders/field/blobs.wgsl`), in bits.
+pub(crate) type ParamsRecord = [u32; 8];
+
+/// Place of the number of rays in the parameters.
+const PARAMS_RAYS: usize = 5;
+
+/// Place of the number of blobs that a stretch may meet.
+const PARAMS_CAPACITY: usize = 7;
+
+const RAY_BYTES: u64 = size_of::<RayRecord>() as u64;
+const HIT_BYTES: u64 = size_of::<HitRecord>() as u64;
+/// A blob that a ray meets.
+pub(crate) const MET_BLOB_BYTES: u64 = 16;
+/// The same, and its word.
+const MET_BYTES: [u64; 2] = [MET_BLOB_BYTES, 4];
+const PARAMS_BYTES: u64 = size_of::<ParamsRecord>() as u64;
+/// Two timestamps.
+const TIME_BYTES: u64 = 16;
+
+/// How long a batch may take before the device counts as lost.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Buffers for one batch of rays, reused.
+pub(crate) struct Batch {
+    params: wgpu::Buffer,
+    rays: wgpu::Buffer,
+    hits: wgpu::Buffer,
+    back: wgpu::Buffer,
+    times: Option<(wgpu::QuerySet, wgpu::Buffer)>,
+    group: wgpu::BindGroup,
+    room: Room,
+}
+
+/// How much a batch has room for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Room {
+    /// Rays.
+    pub(crate) rays: usize,
+    /// Blobs that all of them meet at a time.
+    pub(crate) met: usize,
+}
+
+impl Room {
+    /// Rays that may meet `capacity` blobs each, in whole workgroups.
+    fn rays_with(&self, capacity: u32, workgroup: u32) -> usize {
+        let groups = self.met / (capacity as usize * workgroup as usize);
+        self.rays.min(groups.max(1) * workgroup as usize)
+    }
+}
+
+/// What to run a batch by.
+pub(crate) struct Call<'a> {
+    pub(crate) pipeline: &'a wgpu::ComputePipeline,
+    pub(crate) params: ParamsRecord,
+    /// Blobs that a stretch of a ray may meet.
+    pub(crate) capacity: u32,
+    /// Rays per workgroup.
+    pub(crate) workgroup: u32,
+}
+
+impl Batch {
+    /// Buffers for `room`, bound beside the field's buffers by `bind`.
+    pub(crate) fn new(
+        device: &Device,
+        room: Room,
+        bind: impl FnOnce([&wgpu::Buffer; 5]) -> wgpu::BindGroup,
+    ) -> Result<Self, GpuError> {
+        let (count, met) = (room.rays as u64, room.met as u64);
+        let bytes = count * (RAY_BYTES + 2 * HIT_BYTES) + met * MET_BYTES.iter().sum::<u64>();
+        let buffer = |label, size, usage| {
+            device.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        use wgpu::BufferUsages as Usage;
+        device.within_memory(bytes, || {
+            let params = buffer("params", PARAMS_BYTES, Usage::UNIFORM | Usage::COPY_DST);
+            let rays = buffer("rays", count * RAY_BYTES, Usage::STORAGE | Usage::COPY_DST);
+            let hits = buffer("hits", count * HIT_BYTES, Usage::STORAGE | Usage::COPY_SRC);
+            let lists = MET_BYTES.map(|bytes| buffer("met blobs", met * bytes, Usage::STORAGE));
+            let back_bytes = count * HIT_BYTES + TIME_BYTES;
+            let back = buffer("back", back_bytes, Usage::MAP_READ | Usage::COPY_DST);
+            let times = device.has_timestamps.then(|| {
+                let set = device.device.create_query_set(&wgpu::QuerySetDescriptor {
+                    label: Some("times"),
+                    ty: wgpu::QueryType::Timestamp,
+                    count: 2,
+                });
+                let usage = Usage::QUERY_RESOLVE | Usage::COPY_SRC;
+                (set, buffer("times", TIME_BYTES, usage))
+            });
+            let group = bind([&params, &rays, &hits, &lists[0], &lists[1]]);
+            Self {
+                params,
+                rays,
+                hits,
+                back,
+                times,
+                group,
+                room,
+            }
+        })
+    }
+
+    /// Rays that may be sent together.
+    pub(crate) fn most(&self, call: &Call<'_>) -> usize {
+        self.room.rays_with(call.capacity, call.workgroup)
+    }
+
+    /// Traces `rays`, no more than there is room for, and reads what they hit into `hits`; returns the
+    /// device's own time in seconds, where it keeps one.
+    pub(crate) fn run(
+        &self,
+        device: &Device,
+        call: &Call<'_>,
+        rays: &[RayRecord],
+        hits: &mut Vec<HitRecord>,
+    ) -> Result<Option<f64>, GpuError> {
+        device.check()?;
+        let mut params = call.params;
+        params[PARAMS_RAYS] = rays.len() as u32;
+        params[PARAMS_CAPACITY] = call.capacity;
+        let queue = &device.queue;
+        queue.write_buffer(&self.params, 0, bytemuck::cast_slice(&params));
+        queue.write_buffer(&self.rays, 0, bytemuck::cast_slice(rays));
+        let mut encoder = device
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let times = self.times.as_ref();
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("trace"),
+                timestamp_writes: times.map(|(query_set, _)| wgpu::ComputePassTimestampWrites {
+                    query_set,
+                    beginning_of_pass_write_index: Some(0),
+                    end_of_pass_write_index: Some(1),
+                }),
+            });
+            pass.set_pipeline(call.pipeline);
+            pass.set_bind_group(0, &self.group, &[]);
+            let groups = (rays.len() as u32).div_ceil(call.workgroup);
+            let width = groups.min(device.limits.max_compute_workgroups_per_dimension);
+            pass.dispatch_workgroups(width, groups.div_ceil(width.max(1)), 1);
+        }
+        let hit_bytes = rays.len() as u64 * HIT_BYTES;
+        encoder.copy_buffer_to_buffer(&self.hits, 0, &self.back, 0, hit_bytes);
+        let mut back_bytes = hit_bytes;
+        if let Some((query_set, resolved)) = &self.times {
+            encoder.resolve_query_set(query_set, 0..2, resolved, 0);
+            encoder.copy_buffer_to_buffer(resolved, 0, &self.back, hit_bytes, TIME_BYTES);
+            back_bytes += TIME_BYTES;
+        }
+        device.count_batch();
+        queue.submit([encoder.finish()]);
+        let (sender, receiver) = mpsc::channel();
+        self.back
+            .map_async(wgpu::MapMode::Read, 0..back_bytes, move |result| {
+                // Nobody waits any more where the receiver is gone.
+                let _ = sender.send(result);
+            });
+        device.wait()?;
+        // Another thread's wait may be the one that delivers.
+        match receiver.recv_timeout(PATIENCE) {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(device.lost(error.to_string())),
+            Err(_) => return Err(device.lost("it gives no answer".to_owned())),
+        }
+        let seconds = {
+            let view = self
+                .back
+                .get_mapped_range(0..back_bytes)
+                .map_err(|error| device.lost(error.to_string()))?;
+            hits.clear();
+            hits.resize(rays.len(), [0; 8]);
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(hits);
+            bytes.copy_from_slice(&view[..hit_bytes as usize]);
+            self.times.is_some().then(|| {
+                let mut times = [0_u64; 2];
+                let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut times);
+                bytes.copy_from_slice(&view[hit_bytes as usize..]);
+                let ticks = times[1].saturating_sub(times[0]) as f64;
+                ticks * f64::from(queue.get_timestamp_period()) * 1e-9
+            })
+        };
+        self.back.unmap();
+        Ok(seconds)
+    }
+}

@@ -1,0 +1,136 @@
+//! A frame on the device: what renderers ask.
+
+use crate::device::Device;
+use crate::error::GpuError;
+use crate::tracer::{FieldTracer, TraceWork, TracerOptions};
+use meniscus::frame::{Blobs, Frame, Geometry};
+use meniscus::intersect::{BlobHit, BlobTracer, Scratch, TraceError};
+use meniscus::math::ray::Ray;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// What happens when the device fails in the middle of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Takeover {
+    /// The frame fails.
+    #[default]
+    Never,
+    /// The CPU traces what is left; what is done stays.
+    ByCpu,
+}
+
+/// The blob surfaces of a frame on a device; everything else of it stays where it is.
+pub struct FrameTracer<'d> {
+    /// One per geometry of the frame.
+    fields: Vec<Option<FieldTracer<'d>>>,
+    takeover: Takeover,
+    /// Why the device is no longer asked.
+    lost: OnceLock<GpuError>,
+    work: Mutex<TraceWork>,
+}
+
+impl<'d> FrameTracer<'d> {
+    /// Uploads the fields of `frame`.
+    ///
+    /// # Errors
+    /// Where one does not fit, or the device fails.
+    pub fn upload(device: &'d Device, frame: &Frame, takeover: Takeover) -> Result<Self, GpuError> {
+        let upload = |geometry: &Geometry| {
+            let blobs = geometry.blobs()?;
+            Some(FieldTracer::upload(device, blobs, TracerOptions::default()))
+        };
+        let fields = frame
+            .geometries
+            .iter()
+            .map(|geometry| upload(geometry).transpose())
+            .collect::<Result<Vec<_>, GpuError>>()?;
+        Ok(Self {
+            fields,
+            takeover,
+            lost: OnceLock::new(),
+            work: Mutex::default(),
+        })
+    }
+
+    /// Memory taken on the device.
+    pub fn bytes(&self) -> u64 {
+        self.fields.iter().flatten().map(FieldTracer::bytes).sum()
+    }
+
+    /// Why the CPU had to take over, if it had to.
+    pub fn lost(&self) -> Option<&GpuError> {
+        self.lost.get()
+    }
+
+    /// What was done so far.
+    pub fn work(&self) -> TraceWork {
+        *self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes note of what was done; whether the device did it. Else the CPU has to.
+    fn settle(&self, result: Result<TraceWork, GpuError>) -> Result<bool, TraceError> {
+        match (result, self.takeover) {
+            (Ok(work), _) => {
+                *self.work.lock().unwrap_or_else(PoisonError::into_inner) += work;
+                Ok(true)
+            }
+            (Err(error), Takeover::ByCpu) => {
+                self.lost.get_or_init(|| error);
+                Ok(false)
+            }
+            (Err(error), Takeover::Never) => Err(error.into()),
+        }
+    }
+
+    /// The tracer of a geometry, as long as the device is there.
+    fn field(&self, geometry: u32) -> Option<&FieldTracer<'d>> {
+        match self.lost.get() {
+            Some(_) => None,
+            None => self.fields.get(geometry as usize)?.as_ref(),
+        }
+    }
+}
+
+impl BlobTracer for FrameTracer<'_> {
+    type Error = TraceError;
+
+    fn together(&self) -> usize {
+        let most = self.fields.iter().flatten().map(FieldTracer::together);
+        most.min().unwrap_or(1)
+    }
+
+    fn closest_many(
+        &self,
+        geometry: u32,
+        blobs: &Blobs,
+        rays: &[Ray],
+        hits: &mut [Option<BlobHit>],
+        scratch: &mut Scratch,
+    ) -> Result<(), TraceError> {
+        let done = match self.field(geometry) {
+            Some(field) => self.settle(field.closest_many(blobs, rays, hits, scratch))?,
+            None => false,
+        };
+        if !done {
+            blobs.closest_many(rays, hits, scratch);
+        }
+        Ok(())
+    }
+
+    fn occluded_many(
+        &self,
+        geometry: u32,
+        blobs: &Blobs,
+        rays: &[Ray],
+        hits: &mut [bool],
+        scratch: &mut Scratch,
+    ) -> Result<(), TraceError> {
+        let done = match self.field(geometry) {
+            Some(field) => self.settle(field.occluded_many(blobs, rays, hits, scratch))?,
+            None => false,
+        };
+        if !done {
+            blobs.occluded_many(rays, hits, scratch);
+        }
+        Ok(())
+    }
+}

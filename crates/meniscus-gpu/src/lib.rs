@@ -1,0 +1,21 @@
+//! Meniscus on a graphics card, by wgpu: the same fields and trees as on the CPU, traced by compute
+//! shaders that are named as their CPU twins.
+//!
+//! [`Device::open`] chooses a card, [`BlobTracer`](meniscus::intersect::BlobTracer) is what renderers ask:
+//! [`FrameTracer`] uploads the fields of a frame and answers rays on them. Rays that f32 cannot decide
+//! are marked by the shaders and answered by the CPU engine, so that every answer is one.
+
+mod batch;
+mod device;
+mod error;
+mod frame;
+mod pack;
+mod program;
+mod shader;
+mod tracer;
+
+pub use device::{AdapterChoice, Device, OpenOptions};
+pub use error::GpuError;
+pub use frame::{FrameTracer, Takeover};
+pub use shader::{ShaderKind, sources};
+pub use tracer::{FieldTracer, TraceWork, TracerOptions};

@@ -1,0 +1,13 @@
+// Blobs that stand still.
+
+const RATE_WORDS: u32 = 0u;
+const CLOSING_WORDS: u32 = 0u;
+
+fn blob_center(at: u32, head: vec4u) -> vec3f {
+    return bitcast<vec3f>(head.xyz);
+}
+
+// One of the six bounds of four children.
+fn bounds_at(node: u32, row: u32) -> vec4f {
+    return bitcast<vec4f>(heap(node + row));
+}

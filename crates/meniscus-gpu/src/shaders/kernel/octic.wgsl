@@ -1,0 +1,20 @@
+// k = g⁴, g = 1 − q: twin of kernel/octic.rs.
+
+fn kernel_of_g(g: vec4f) -> vec4f {
+    return (g * g) * (g * g);
+}
+
+// dk/dg.
+fn kernel_slope(g: f32) -> f32 {
+    return g * g * g * 4.0;
+}
+
+// −k″(s) ≤ β times this along g(s) = g₀ − β(s − c)².
+fn kernel_concave_bound(g: f32) -> f32 {
+    return g * g * g * 8.0;
+}
+
+// +k″(s) ≤ β times this.
+fn kernel_convex_bound(g: f32) -> f32 {
+    return g * g * g * 5.23;
+}

@@ -1,0 +1,92 @@
+//! A device for tests, and a field on it that the suite can ask.
+
+use meniscus::frame::Blobs;
+use meniscus::intersect::{BlobHit, Crossing, Scratch};
+use meniscus::math::ray::Ray;
+use meniscus_gpu::{
+    AdapterChoice, Device, FieldTracer, GpuError, OpenOptions, TraceWork, TracerOptions,
+};
+use meniscus_testing::examine::Tracer;
+use std::sync::{Mutex, OnceLock};
+
+/// Fails tests where there is no adapter.
+const REQUIRE_VARIABLE: &str = "MENISCUS_REQUIRE_GPU";
+
+/// Any adapter that runs shaders, shared by the tests of a program. Without one the test `test` has to
+/// be skipped, which is said.
+#[expect(clippy::print_stderr, reason = "tests say what they skip")]
+pub(crate) fn device(test: &str) -> Option<&'static Device> {
+    static DEVICE: OnceLock<Result<Device, GpuError>> = OnceLock::new();
+    let options = OpenOptions {
+        choice: AdapterChoice::CardOrSoftware,
+        lose_after: None,
+    };
+    match DEVICE.get_or_init(|| Device::open(options)) {
+        Ok(device) => Some(device),
+        Err(error) => {
+            assert!(
+                std::env::var_os(REQUIRE_VARIABLE).is_none(),
+                "{test}: {error}; {REQUIRE_VARIABLE} forbids to skip it"
+            );
+            eprintln!("skipped {test}: {error}");
+            None
+        }
+    }
+}
+
+/// A field on a device.
+pub(crate) struct Gpu<'a> {
+    blobs: &'a Blobs,
+    tracer: FieldTracer<'a>,
+    work: Mutex<TraceWork>,
+}
+
+impl<'a> Gpu<'a> {
+    pub(crate) fn new(device: &'a Device, blobs: &'a Blobs, options: TracerOptions) -> Self {
+        Self {
+            blobs,
+            tracer: FieldTracer::upload(device, blobs, options).expect("the field fits"),
+            work: Mutex::default(),
+        }
+    }
+
+    pub(crate) fn work(&self) -> TraceWork {
+        *self.work.lock().expect("no test panicked with it")
+    }
+
+    fn settle(&self, done: Result<TraceWork, GpuError>) {
+        *self.work.lock().expect("no test panicked with it") += done.expect("the device works");
+    }
+}
+
+impl Tracer for Gpu<'_> {
+    fn closest(&self, ray: &Ray, scratch: &mut Scratch) -> Option<BlobHit> {
+        self.closest_many(std::slice::from_ref(ray), scratch)[0]
+    }
+
+    fn occluded(&self, ray: &Ray, scratch: &mut Scratch) -> bool {
+        self.occluded_many(std::slice::from_ref(ray), scratch)[0]
+    }
+
+    fn crossings(&self, _: &Ray, _: &mut Scratch) -> Vec<Crossing> {
+        panic!("the device finds first crossings only")
+    }
+
+    fn closest_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<Option<BlobHit>> {
+        let mut hits = vec![None; rays.len()];
+        self.settle(
+            self.tracer
+                .closest_many(self.blobs, rays, &mut hits, scratch),
+        );
+        hits
+    }
+
+    fn occluded_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<bool> {
+        let mut hits = vec![false; rays.len()];
+        self.settle(
+            self.tracer
+                .occluded_many(self.blobs, rays, &mut hits, scratch),
+        );
+        hits
+    }
+}

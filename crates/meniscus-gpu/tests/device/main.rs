@@ -1,0 +1,6 @@
+//! Shaders as they run: on any adapter there is, software too. Without one these tests say that they skip;
+//! where `MENISCUS_REQUIRE_GPU=1`, as in CI, they fail.
+
+mod agreement;
+mod common;
+mod pictures;

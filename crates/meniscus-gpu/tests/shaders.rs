@@ -1,0 +1,71 @@
+//! Every shader is valid, on any machine: no adapter is asked.
+
+use meniscus::kernel::Kernel;
+use meniscus_gpu::{ShaderKind, sources};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+fn kinds() -> Vec<ShaderKind> {
+    let mut kinds = Vec::new();
+    for kernel in Kernel::ALL {
+        for (ellipsoids, moves) in [(false, false), (false, true), (true, false), (true, true)] {
+            for chunks in [1, 3] {
+                kinds.push(ShaderKind {
+                    kernel,
+                    ellipsoids,
+                    moves,
+                    chunks,
+                    chunk_bits: 23,
+                    stack: 64,
+                });
+            }
+        }
+    }
+    kinds
+}
+
+fn module(kind: &ShaderKind) -> naga::Module {
+    let text = sources(kind);
+    naga::front::wgsl::parse_str(&text)
+        .unwrap_or_else(|error| panic!("{kind:?}: {}", error.emit_to_string(&text)))
+}
+
+#[test]
+fn all_are_valid() {
+    for kind in kinds() {
+        let module = module(&kind);
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        if let Err(error) = validator.validate(&module) {
+            panic!("{kind:?}: {}", error.emit_to_string(&sources(&kind)));
+        }
+        let entries: Vec<&str> = module
+            .entry_points
+            .iter()
+            .map(|e| e.name.as_str())
+            .collect();
+        assert_eq!(entries, ["closest", "occluded"]);
+    }
+}
+
+/// Records are written as plain words: these are the places that the host counts on.
+#[test]
+fn structs_lie_as_the_host_writes_them() {
+    let module = module(&kinds()[0]);
+    let offsets = |name: &str| {
+        let (_, found) = module
+            .types
+            .iter()
+            .find(|(_, ty)| ty.name.as_deref() == Some(name))
+            .unwrap_or_else(|| panic!("there is no struct {name}"));
+        let naga::TypeInner::Struct { members, span } = &found.inner else {
+            panic!("{name} is no struct");
+        };
+        let offsets: Vec<u32> = members.iter().map(|member| member.offset).collect();
+        (offsets, *span)
+    };
+    assert_eq!(offsets("Params"), ((0..8).map(|i| 4 * i).collect(), 32));
+    assert_eq!(
+        offsets("LocalRay"),
+        (vec![0, 12, 16, 28, 32, 44, 48, 60], 64)
+    );
+    assert_eq!(offsets("HitRecord"), (vec![0, 4, 8, 12, 16, 28], 32));
+}
