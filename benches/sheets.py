@@ -19,7 +19,7 @@ import tempfile
 
 import numpy as np
 
-BALLS, ESTIMATE = ["--anisotropy", "none"], ["--anisotropy", "estimate"]
+BALLS, ESTIMATE = ["--anisotropy", "none"], ["--anisotropy", "estimate", "--weights", "ball-volume"]
 THRESHOLD = 0.6
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 

@@ -52,8 +52,12 @@ pub(crate) struct SurfaceArgs {
     /// Kernel: quartic, sextic, octic, wyvill [default: sextic]
     #[arg(long, value_name = "NAME")]
     pub kernel: Option<String>,
-    /// Weight of each particle: unit, volume, or the name of a column [default: volume]
-    #[arg(long, value_name = "unit|volume|COLUMN", allow_hyphen_values = true)]
+    /// Weight of each particle: unit, volume, ball-volume (for --anisotropy estimate), or a column [default: volume]
+    #[arg(
+        long,
+        value_name = "unit|volume|ball-volume|COLUMN",
+        allow_hyphen_values = true
+    )]
     pub weights: Option<String>,
     /// Keep only the particles for which this holds, as in 'y > -1 && |velocity| < 3'
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]

@@ -241,7 +241,7 @@ fn radius(settings: &BlobSettings, support: f64) -> Option<f64> {
         return None;
     }
     match settings.weights {
-        Weights::Volume => Some(support / settings.smoothing),
+        Weights::Volume | Weights::BallVolume => Some(support / settings.smoothing),
         Weights::Unit | Weights::Column(_) => {
             let q = settings.kernel.q_at(settings.threshold)?;
             Some(support * q.sqrt())

@@ -12,7 +12,7 @@ fn a_shutter_blurs_what_moves_and_nothing_else() {
     let blur = format!("render f.toml -o blur.png --shutter 0.5 --stats s.json {SMALL}");
     folder.done(&blur);
     assert_ne!(folder.read("sharp.png"), folder.read("blur.png"));
-    assert_eq!(folder.json("s.json")["engine"], "particles");
+    assert_eq!(folder.json("s.json")["engine"], "cells");
     folder.done(&format!(
         "render f.toml -o again.png --set motion.shutter=0.5 {SMALL}"
     ));

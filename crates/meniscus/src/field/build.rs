@@ -129,29 +129,34 @@ impl BlobField {
             ),
         };
         let mut supports = build.stretched(supports);
-        let mut weights = (settings.weights == Weights::Volume).then(|| {
-            let scales = build.support_scales();
+        let scales = build.support_scales();
+        let volumes = |positions: &[DVec3], supports: &Supports| {
             volume_weights(
-                &positions,
-                &supports,
+                positions,
+                supports,
                 scales.as_deref(),
                 settings.kernel,
                 &points,
             )
-        });
-        if settings.anisotropy == Anisotropy::Estimate
-            && let Supports::Balls(radii) = &supports
-        {
+        };
+        let is_estimated = settings.anisotropy == Anisotropy::Estimate;
+        let mut weights = None;
+        if is_estimated && let Supports::Balls(radii) = &supports {
             let Estimate { centers, factors } = estimate(&positions, radii, &points);
-            build.moved = Some(centers);
             let ellipsoids = Supports::Ellipsoids(factors);
-            // The volume of each particle is that of its ball.
-            if let Some(weights) = &mut weights {
-                for (i, weight) in weights.iter_mut().enumerate() {
+            if settings.weights == Weights::BallVolume {
+                let mut of_balls = volumes(&positions, &supports);
+                for (i, weight) in of_balls.iter_mut().enumerate() {
                     *weight *= ellipsoids.determinant(i) / supports.determinant(i);
                 }
+                weights = Some(of_balls);
+            } else if settings.weights == Weights::Volume {
+                weights = Some(volumes(&centers, &ellipsoids));
             }
+            build.moved = Some(centers);
             supports = ellipsoids;
+        } else if settings.weights.are_volumes() {
+            weights = Some(volumes(&positions, &supports));
         }
         if let Some(weights) = weights {
             build.weights = Some(weights);

@@ -4,7 +4,7 @@ use super::{FieldError, SupportSource};
 use crate::math::aabb::DAabb;
 use crate::particles::{Particles, Role};
 use crate::primitive::{Ellipsoid, Shapes};
-use crate::scene::surface::{BlobSettings, Weights};
+use crate::scene::surface::BlobSettings;
 use glam::DVec3;
 
 /// Supports in float64, one per particle.
@@ -116,7 +116,7 @@ impl<'a> Rule<'a> {
         // Where weights are not volumes a radius is the surface of a lone particle, which is what a
         // van der Waals radius means.
         let elements = || {
-            let has_atoms = settings.weights != Weights::Volume;
+            let has_atoms = !settings.weights.are_volumes();
             let numbers = particles.attribute("atomic_number").ok();
             numbers.filter(|numbers| has_atoms && numbers.components() == 1)
         };
@@ -129,7 +129,7 @@ impl<'a> Rule<'a> {
 
     /// R over the radius.
     pub(super) fn support_per_radius(settings: &BlobSettings) -> Result<f64, FieldError> {
-        if settings.weights == Weights::Volume {
+        if settings.weights.are_volumes() {
             return positive("smoothing", settings.smoothing);
         }
         let q = settings.kernel.q_at(settings.threshold);

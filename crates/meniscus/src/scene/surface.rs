@@ -15,16 +15,26 @@ pub enum Weights {
     /// The SPH particle volume: wᵢ = 1/Σⱼ k(qⱼ(xᵢ))·det Aⱼ/det Aᵢ, so that F ≈ 1 in the bulk.
     #[default]
     Volume,
+    /// The same of the balls that `--anisotropy estimate` stretched, times det A·R³: each particle keeps
+    /// the volume that it has among balls, as in the field of Yu & Turk 2013. Without the estimate it is
+    /// [`Weights::Volume`].
+    BallVolume,
     /// The values of a column; negative ones cut holes.
     Column(String),
 }
 
 impl Weights {
-    /// The form used in files and flags: `unit`, `volume` or the column's name.
+    /// Whether they are particle volumes; then radii are half the spacing.
+    pub fn are_volumes(&self) -> bool {
+        matches!(self, Self::Volume | Self::BallVolume)
+    }
+
+    /// The form used in files and flags: `unit`, `volume`, `ball-volume` or the column's name.
     pub fn name(&self) -> &str {
         match self {
             Self::Unit => "unit",
             Self::Volume => "volume",
+            Self::BallVolume => "ball-volume",
             Self::Column(name) => name,
         }
     }
@@ -35,6 +45,7 @@ impl From<String> for Weights {
         match name.as_str() {
             "unit" => Self::Unit,
             "volume" => Self::Volume,
+            "ball-volume" => Self::BallVolume,
             _ => Self::Column(name),
         }
     }

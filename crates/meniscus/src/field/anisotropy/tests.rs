@@ -4,7 +4,7 @@ use crate::math::symmetric::eigen;
 use crate::particles::Particles;
 use crate::particles::spacing::point_tree;
 use crate::scene::generate::Generator;
-use crate::scene::{Anisotropy, BlobSettings};
+use crate::scene::{Anisotropy, BlobSettings, Weights};
 use glam::DMat3;
 
 /// The estimate straight from its formulas: all pairs, float64, and matrix functions by Lagrange's
@@ -206,6 +206,7 @@ fn a_sheet_has_the_volume_that_it_has_of_balls() {
         let settings = BlobSettings {
             radius: Some(0.5),
             anisotropy,
+            weights: Weights::BallVolume,
             ..BlobSettings::default()
         };
         let particles = Particles::from_positions(positions.clone());
