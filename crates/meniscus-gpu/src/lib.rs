@@ -13,6 +13,7 @@ mod pack;
 mod program;
 mod shader;
 mod tracer;
+mod uploaded;
 
 pub use device::{AdapterChoice, Device, OpenOptions};
 pub use error::GpuError;
