@@ -51,7 +51,47 @@ impl BufRead for CountedLines<'_> {
     }
 }
 
+/// Refuses indices that cannot be any vertex's: tobj multiplies them before it looks at their size.
+fn check_indices(bytes: &[u8]) -> Result<(), Problem> {
+    // Positions, texture coordinates and normals so far, in the order of a corner's indices.
+    let mut counts = [0_i64; 3];
+    for (line, text) in bytes.split(|&byte| byte == b'\n').enumerate() {
+        let mut words = text
+            .split(u8::is_ascii_whitespace)
+            .filter(|word| !word.is_empty());
+        match words.next() {
+            Some(b"v") => counts[0] += 1,
+            Some(b"vt") => counts[1] += 1,
+            Some(b"vn") => counts[2] += 1,
+            Some(b"f" | b"l" | b"p") => {
+                for corner in words {
+                    let indices = corner.split(|&byte| byte == b'/');
+                    for (index, count) in indices.zip(counts) {
+                        let number = str::from_utf8(index)
+                            .ok()
+                            .and_then(|i| i.parse::<i64>().ok());
+                        // Those from the start may come later in the file, but not without a byte each.
+                        if number.is_some_and(|i| i < -count || i > bytes.len() as i64) {
+                            let corner = String::from_utf8_lossy(corner);
+                            return Err(Problem::new(format!(
+                                "line {}: corner {corner} is out of bounds",
+                                line + 1
+                            ))
+                            .with_help(
+                                "negative indices count back from the line that they stand in",
+                            ));
+                        }
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 pub(super) fn read(bytes: &[u8], _folder: &Path) -> Result<Parts, Problem> {
+    check_indices(bytes)?;
     let options = LoadOptions {
         single_index: true,
         triangulate: true,

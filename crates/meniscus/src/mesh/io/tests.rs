@@ -102,6 +102,14 @@ fn what_is_wrong_is_said() {
     fails(b"v 0 0 0\nv 1 0 0\nv 0 x 0\nf 1 2 3\n", &["line 3"]);
     fails(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", &["out of bounds"]);
     fails(
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 0\nf 1//-11 2//1 3//1\n",
+        &["line 5", "1//-11", "out of bounds"],
+    );
+    fails(
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/9223372036854775807 2/1 3/1\n",
+        &["line 5", "out of bounds"],
+    );
+    fails(
         gltf()
             .replace("\"POSITION\":0", "\"POSITION\":7")
             .as_bytes(),
