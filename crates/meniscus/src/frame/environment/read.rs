@@ -102,6 +102,11 @@ fn read_exr(path: &Path, length: u64) -> Result<(usize, Vec<[f32; 3]>), String> 
         if header.deep {
             continue;
         }
+        // exr divides by these unasked.
+        let channels = &header.channels.list;
+        if channels.iter().any(|channel| channel.sampling.area() == 0) {
+            return Err("is damaged: a channel has a sample every 0 pixels".to_owned());
+        }
         let bytes = header.total_pixel_bytes() as u64;
         if bytes > length.saturating_mul(PIXEL_BYTES_PER_BYTE) {
             return Err(format!(
