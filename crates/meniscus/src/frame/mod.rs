@@ -5,6 +5,7 @@
 
 mod bounds;
 mod build;
+mod colors;
 pub mod environment;
 pub mod looks;
 mod solids;
