@@ -2,8 +2,8 @@
 
 use crate::device::Device;
 use crate::error::GpuError;
-use std::sync::mpsc;
-use std::time::Duration;
+use crate::readback::{self, Clock, TIME_BYTES};
+use crate::stage;
 
 /// A ray as the shader reads it (`LocalRay` in `shaders/accel/particles.wgsl`), in bits.
 pub(crate) type RayRecord = [u32; 16];
@@ -27,19 +27,13 @@ pub(crate) const MET_BLOB_BYTES: u64 = 16;
 /// The same, and its word.
 const MET_BYTES: [u64; 2] = [MET_BLOB_BYTES, 4];
 const PARAMS_BYTES: u64 = size_of::<ParamsRecord>() as u64;
-/// Two timestamps.
-const TIME_BYTES: u64 = 16;
-
-/// How long a batch may take before the device counts as lost.
-const PATIENCE: Duration = Duration::from_secs(120);
-
 /// Buffers for one batch of rays, reused.
 pub(crate) struct Batch {
     params: wgpu::Buffer,
     rays: wgpu::Buffer,
     hits: wgpu::Buffer,
     back: wgpu::Buffer,
-    times: Option<(wgpu::QuerySet, wgpu::Buffer)>,
+    clock: Option<Clock>,
     group: wgpu::BindGroup,
     room: Room,
 }
@@ -96,22 +90,14 @@ impl Batch {
             let lists = MET_BYTES.map(|bytes| buffer("met blobs", met * bytes, Usage::STORAGE));
             let back_bytes = count * HIT_BYTES + TIME_BYTES;
             let back = buffer("back", back_bytes, Usage::MAP_READ | Usage::COPY_DST);
-            let times = device.has_timestamps.then(|| {
-                let set = device.device.create_query_set(&wgpu::QuerySetDescriptor {
-                    label: Some("times"),
-                    ty: wgpu::QueryType::Timestamp,
-                    count: 2,
-                });
-                let usage = Usage::QUERY_RESOLVE | Usage::COPY_SRC;
-                (set, buffer("times", TIME_BYTES, usage))
-            });
+            let clock = Clock::new(device);
             let group = bind([&params, &rays, &hits, &lists[0], &lists[1]]);
             Self {
                 params,
                 rays,
                 hits,
                 back,
-                times,
+                clock,
                 group,
                 room,
             }
@@ -143,62 +129,29 @@ impl Batch {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
-            let times = self.times.as_ref();
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("trace"),
-                timestamp_writes: times.map(|(query_set, _)| wgpu::ComputePassTimestampWrites {
-                    query_set,
-                    beginning_of_pass_write_index: Some(0),
-                    end_of_pass_write_index: Some(1),
-                }),
+                timestamp_writes: self.clock.as_ref().map(Clock::writes),
             });
-            pass.set_pipeline(call.pipeline);
-            pass.set_bind_group(0, &self.group, &[]);
             let groups = (rays.len() as u32).div_ceil(call.workgroup);
-            let width = groups.min(device.limits.max_compute_workgroups_per_dimension);
-            pass.dispatch_workgroups(width, groups.div_ceil(width.max(1)), 1);
+            stage::dispatch(device, &mut pass, call.pipeline, &self.group, groups);
         }
         let hit_bytes = rays.len() as u64 * HIT_BYTES;
         encoder.copy_buffer_to_buffer(&self.hits, 0, &self.back, 0, hit_bytes);
         let mut back_bytes = hit_bytes;
-        if let Some((query_set, resolved)) = &self.times {
-            encoder.resolve_query_set(query_set, 0..2, resolved, 0);
-            encoder.copy_buffer_to_buffer(resolved, 0, &self.back, hit_bytes, TIME_BYTES);
+        if let Some(clock) = &self.clock {
+            clock.copy_to(&mut encoder, &self.back, hit_bytes);
             back_bytes += TIME_BYTES;
         }
         device.count_batch();
         queue.submit([encoder.finish()]);
-        let (sender, receiver) = mpsc::channel();
-        self.back
-            .map_async(wgpu::MapMode::Read, 0..back_bytes, move |result| {
-                // Nobody waits any more where the receiver is gone.
-                let _ = sender.send(result);
-            });
-        device.wait()?;
-        // Another thread's wait may be the one that delivers.
-        match receiver.recv_timeout(PATIENCE) {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(device.lost(error.to_string())),
-            Err(_) => return Err(device.lost("it gives no answer".to_owned())),
-        }
-        let seconds = {
-            let view = self
-                .back
-                .get_mapped_range(0..back_bytes)
-                .map_err(|error| device.lost(error.to_string()))?;
+        readback::read(device, &self.back, back_bytes, |view| {
+            let (records, times) = view.split_at(hit_bytes as usize);
             hits.clear();
             hits.resize(rays.len(), [0; 8]);
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(hits);
-            bytes.copy_from_slice(&view[..hit_bytes as usize]);
-            self.times.is_some().then(|| {
-                let mut times = [0_u64; 2];
-                let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut times);
-                bytes.copy_from_slice(&view[hit_bytes as usize..]);
-                let ticks = times[1].saturating_sub(times[0]) as f64;
-                ticks * f64::from(queue.get_timestamp_period()) * 1e-9
-            })
-        };
-        self.back.unmap();
-        Ok(seconds)
+            bytes.copy_from_slice(records);
+            self.clock.as_ref().map(|_| Clock::seconds(device, times))
+        })
     }
 }

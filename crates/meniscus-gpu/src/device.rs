@@ -1,5 +1,6 @@
 //! Which adapter to use, and whether it is still there.
 
+use crate::build::Builders;
 use crate::error::GpuError;
 use crate::program::Programs;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -74,6 +75,7 @@ pub struct Device {
     pub(crate) limits: wgpu::Limits,
     pub(crate) has_timestamps: bool,
     pub(crate) programs: Programs,
+    pub(crate) builders: Builders,
     info: AdapterInfo,
     /// What went wrong first, if anything did.
     trouble: Arc<Mutex<Option<String>>>,
@@ -183,6 +185,7 @@ impl Device {
             limits,
             has_timestamps,
             programs: Programs::default(),
+            builders: Builders::default(),
             info,
             trouble,
             batches: AtomicU64::new(0),
@@ -216,6 +219,14 @@ impl Device {
     /// Removes the device, as a driver's reset or a pulled card would: for tests.
     pub fn lose(&self) {
         self.device.destroy();
+    }
+
+    /// Largest storage buffer that a shader takes, in bytes.
+    pub(crate) fn largest_binding(&self) -> u64 {
+        let limits = &self.limits;
+        limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size)
     }
 
     /// Counts a batch that is about to be sent.

@@ -6,17 +6,21 @@
 //! are marked by the shaders and answered by the CPU engine, so that every answer is one.
 
 mod batch;
+mod build;
+mod chunks;
 mod device;
 mod error;
 mod frame;
 mod pack;
 mod program;
+mod readback;
 mod shader;
+mod stage;
 mod tracer;
 mod uploaded;
 
 pub use device::{AdapterChoice, Device, OpenOptions};
 pub use error::GpuError;
 pub use frame::{FrameTracer, Takeover};
-pub use shader::{ShaderKind, sources};
-pub use tracer::{FieldTracer, TraceWork, TracerOptions};
+pub use shader::{BuildKind, BuildStep, ShaderKind, sources};
+pub use tracer::{FieldTracer, TraceWork, TracerOptions, TreeUpdate};

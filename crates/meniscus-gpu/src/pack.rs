@@ -1,14 +1,12 @@
 //! A field and its tree as words of 16 bytes; what they hold stands in `shaders/accel/particles.wgsl`.
 
+use crate::chunks::Word;
 use meniscus::accel::cells::layout::{LANES, LEAF, LeafHeader};
 use meniscus::accel::particles::ParticleTree;
 use meniscus::accel::particles::layout::{Node, columns, leaf_blocks};
 use meniscus::field::BlobField;
 use meniscus::primitive::{Ball, Ellipsoid, Primitive, Shapes};
 use rayon::prelude::*;
-
-/// 16 bytes.
-pub(crate) type Word = [u32; 4];
 
 /// A field and its tree, packed.
 pub(crate) struct Packed {
@@ -36,9 +34,9 @@ pub(crate) fn pack(field: &BlobField, tree: &ParticleTree) -> Option<Packed> {
 
 fn pack_of<P: Primitive>(tree: &ParticleTree) -> Option<Packed> {
     let moves = tree.moves();
-    let node_words = BOUNDS_WORDS + 2 + if moves { BOUNDS_WORDS } else { 0 };
+    let node_words = node_words(moves);
     let blob_words = blob_words::<P>(moves);
-    let leaf_words = LEAF_HEADER_WORDS + LANES * blob_words;
+    let leaf_words = leaf_words::<P>(moves);
     let leaves_at = tree.nodes.len() * node_words;
     let total = leaves_at + tree.leaves * leaf_words;
     u32::try_from(total).ok()?;
@@ -69,12 +67,27 @@ fn pack_of<P: Primitive>(tree: &ParticleTree) -> Option<Packed> {
     })
 }
 
-fn blob_words<P: Primitive>(moves: bool) -> usize {
+/// Words of a node.
+pub(crate) fn node_words(moves: bool) -> usize {
+    BOUNDS_WORDS + 2 + if moves { BOUNDS_WORDS } else { 0 }
+}
+
+/// Words of a leaf.
+pub(crate) fn leaf_words<P: Primitive>(moves: bool) -> usize {
+    LEAF_HEADER_WORDS + LANES * blob_words::<P>(moves)
+}
+
+/// Words of a leaf's blob.
+pub(crate) fn blob_words<P: Primitive>(moves: bool) -> usize {
     columns::<P>().div_ceil(4) + if moves { 2 } else { 0 }
 }
 
 /// x, y, z, the shape's columns, the weight and the index follow each other.
-fn pack_blob<P: Primitive>(words: &mut [Word], moves: bool, column: impl Fn(usize) -> u32) {
+pub(crate) fn pack_blob<P: Primitive>(
+    words: &mut [Word],
+    moves: bool,
+    column: impl Fn(usize) -> u32,
+) {
     let columns = columns::<P>();
     for k in 0..columns {
         words[k / 4][k % 4] = column(k);

@@ -1,7 +1,8 @@
 //! Shaders that have been compiled: kept for the fields and frames to come.
 
 use crate::device::Device;
-use crate::shader::{FIRST_CHUNK, ShaderKind, sources};
+use crate::shader::{ShaderKind, sources};
+use crate::stage::{Access, Bindings};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -17,8 +18,7 @@ pub(crate) enum Question {
 /// One shader with its entry points, compiled when they are first needed.
 #[derive(Debug)]
 pub(crate) struct Program {
-    pub(crate) group_layout: wgpu::BindGroupLayout,
-    layout: wgpu::PipelineLayout,
+    pub(crate) bindings: Bindings,
     module: wgpu::ShaderModule,
     closest: OnceLock<wgpu::ComputePipeline>,
     occluded: OnceLock<wgpu::ComputePipeline>,
@@ -41,41 +41,21 @@ impl Programs {
 
 impl Program {
     fn new(device: &wgpu::Device, kind: &ShaderKind) -> Self {
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        };
-        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
-        let mut entries = vec![
-            entry(0, wgpu::BufferBindingType::Uniform),
-            entry(1, storage(true)),
-            entry(2, storage(false)),
-            entry(3, storage(false)),
-            entry(4, storage(false)),
+        let mut accesses = vec![
+            Access::Uniform,
+            Access::Read,
+            Access::Write,
+            Access::Write,
+            Access::Write,
         ];
-        entries.extend((0..kind.chunks).map(|chunk| entry(FIRST_CHUNK + chunk, storage(true))));
-        let group_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("trace"),
-            entries: &entries,
-        });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("trace"),
-            bind_group_layouts: &[Some(&group_layout)],
-            immediate_size: 0,
-        });
+        accesses.extend((0..kind.chunks).map(|_| Access::Read));
+        let bindings = Bindings::new(device, "trace", &accesses);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("intersect/particles"),
             source: wgpu::ShaderSource::Wgsl(sources(kind).into()),
         });
         Self {
-            group_layout,
-            layout,
+            bindings,
             module,
             closest: OnceLock::new(),
             occluded: OnceLock::new(),
@@ -89,16 +69,8 @@ impl Program {
             Question::Any => (&self.occluded, "occluded"),
         };
         slot.get_or_init(|| {
-            device
-                .device
-                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(entry_point),
-                    layout: Some(&self.layout),
-                    module: &self.module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    cache: None,
-                })
+            self.bindings
+                .pipeline(&device.device, &self.module, entry_point)
         })
     }
 }

@@ -39,9 +39,14 @@ pub fn sources(kind: &ShaderKind) -> String {
         false => include_str!("shaders/field/still.wgsl"),
         true => include_str!("shaders/field/moving.wgsl"),
     };
+    let field = Heap {
+        binding: FIRST_CHUNK,
+        chunks: kind.chunks,
+        chunk_bits: kind.chunk_bits,
+    };
     [
         &numbers(kind),
-        &heap(kind.chunks, kind.chunk_bits),
+        &field.reader("heap"),
         include_str!("shaders/math/two_floats.wgsl"),
         include_str!("shaders/field/blobs.wgsl"),
         kernel,
@@ -60,31 +65,147 @@ fn numbers(kind: &ShaderKind) -> String {
 }
 
 /// First binding of the field's buffers.
-pub(crate) const FIRST_CHUNK: u32 = 5;
+const FIRST_CHUNK: u32 = 5;
 
-/// The field as one array of words over several buffers, since a binding has a largest size.
-fn heap(chunks: u32, chunk_bits: u32) -> String {
-    let mut text = String::new();
-    for chunk in 0..chunks {
-        let binding = FIRST_CHUNK + chunk;
-        text += &format!(
-            "@group(0) @binding({binding}) var<storage, read> chunk{chunk}: array<vec4u>;\n"
-        );
+/// An array of words over several buffers, since a binding has a largest size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Heap {
+    /// First binding.
+    pub(crate) binding: u32,
+    /// Buffers.
+    pub(crate) chunks: u32,
+    /// Words per full buffer, as a power of two.
+    pub(crate) chunk_bits: u32,
+}
+
+impl Heap {
+    /// The function `name(word)` that reads a word.
+    pub(crate) fn reader(&self, name: &str) -> String {
+        let read = |chunk: u32, place: &str| format!("return {name}{chunk}[{place}];");
+        self.declared(name, "read")
+            + &format!("fn {name}(word: u32) -> vec4u {{\n")
+            + &self.at_chunk(read)
     }
-    text += "\nfn heap(word: u32) -> vec4u {\n";
-    if chunks == 1 {
-        text += "    return chunk0[word];\n";
-    } else {
-        let mask = (1_u32 << chunk_bits) - 1;
-        text += &format!("    let place = word & {mask}u;\n    switch word >> {chunk_bits}u {{\n");
-        for chunk in 0..chunks - 1 {
-            text += &format!("        case {chunk}u: {{ return chunk{chunk}[place]; }}\n");
+
+    /// The function `name(word, value)` that writes a word.
+    pub(crate) fn writer(&self, name: &str) -> String {
+        let write = |chunk: u32, place: &str| format!("{name}{chunk}[{place}] = value;");
+        self.declared(name, "read_write")
+            + &format!("fn {name}(word: u32, value: vec4u) {{\n")
+            + &self.at_chunk(write)
+    }
+
+    fn declared(&self, name: &str, access: &str) -> String {
+        let mut text = String::new();
+        for chunk in 0..self.chunks {
+            let binding = self.binding + chunk;
+            text += &format!(
+                "@group(0) @binding({binding}) var<storage, {access}> {name}{chunk}: array<vec4u>;\n"
+            );
         }
-        text += &format!(
-            "        default: {{ return chunk{}[place]; }}\n    }}\n",
-            chunks - 1
-        );
+        text + "\n"
     }
-    text += "}\n";
-    text
+
+    fn at_chunk(&self, statement: impl Fn(u32, &str) -> String) -> String {
+        if self.chunks == 1 {
+            return format!("    {}\n}}\n", statement(0, "word"));
+        }
+        let bits = self.chunk_bits;
+        let mask = (1_u32 << bits) - 1;
+        let mut text = format!("    let place = word & {mask}u;\n    switch word >> {bits}u {{\n");
+        for chunk in 0..self.chunks - 1 {
+            let statement = statement(chunk, "place");
+            text += &format!("        case {chunk}u: {{ {statement} }}\n");
+        }
+        let last = statement(self.chunks - 1, "place");
+        text + &format!("        default: {{ {last} }}\n    }}\n}}\n")
+    }
+}
+
+/// A step of a tree's build.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BuildStep {
+    /// Places along the curve.
+    Curve,
+    /// Their sort.
+    Sort,
+    /// Leaves.
+    Leaves,
+    /// Nodes, level by level.
+    Nodes,
+}
+
+impl BuildStep {
+    /// Every step.
+    pub const ALL: [Self; 4] = [Self::Curve, Self::Sort, Self::Leaves, Self::Nodes];
+}
+
+/// What the shaders are made for that build a tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct BuildKind {
+    /// Ellipsoids, else balls.
+    pub ellipsoids: bool,
+    /// Whether blobs move while the shutter is open.
+    pub moves: bool,
+    /// Storage buffers that hold the blobs.
+    pub raw_chunks: u32,
+    /// Storage buffers that hold the tree.
+    pub tree_chunks: u32,
+    /// Words (16 bytes) per full buffer, as a power of two.
+    pub chunk_bits: u32,
+}
+
+impl BuildKind {
+    /// The whole text of a step's shader.
+    pub fn sources(&self, step: BuildStep) -> String {
+        let heap = |binding, chunks| Heap {
+            binding,
+            chunks,
+            chunk_bits: self.chunk_bits,
+        };
+        let raw = |binding| heap(binding, self.raw_chunks).reader("raw");
+        let tree = |binding| heap(binding, self.tree_chunks).writer("put");
+        let parts = match step {
+            BuildStep::Curve => vec![
+                self.numbers(),
+                raw(3),
+                include_str!("shaders/accel/build/curve.wgsl").to_owned(),
+            ],
+            BuildStep::Sort => vec![include_str!("shaders/accel/build/sort.wgsl").to_owned()],
+            BuildStep::Leaves => vec![
+                self.numbers(),
+                raw(3),
+                tree(3 + self.raw_chunks),
+                include_str!("shaders/accel/build/leaves.wgsl").to_owned(),
+            ],
+            BuildStep::Nodes => vec![
+                self.numbers(),
+                tree(2),
+                include_str!("shaders/accel/build/nodes.wgsl").to_owned(),
+            ],
+        };
+        parts.join("\n")
+    }
+
+    /// Words of a box at all ends of the shutter that differ.
+    pub(crate) fn box_words(&self) -> u32 {
+        if self.moves { 4 } else { 2 }
+    }
+
+    fn numbers(&self) -> String {
+        let Self {
+            ellipsoids, moves, ..
+        } = self;
+        let shape = if *ellipsoids { 3 } else { 2 };
+        let rates = if *moves { 2 } else { 0 };
+        let extent_at = shape + rates;
+        let raw = extent_at + if *moves { 2 } else { 1 };
+        let boxes = self.box_words();
+        format!(
+            "const WORKGROUP: u32 = {WORKGROUP}u;\nconst ELLIPSOIDS: bool = {ellipsoids};\n\
+             const MOVES: bool = {moves};\nconst SHAPE_WORDS: u32 = {shape}u;\n\
+             const RATE_WORDS: u32 = {rates}u;\nconst EXTENT_AT: u32 = {extent_at}u;\n\
+             const RAW_WORDS: u32 = {raw}u;\nconst BOX_WORDS: u32 = {boxes}u;\n"
+        )
+    }
 }

@@ -1,11 +1,13 @@
 //! One field on the device: uploaded, and asked about rays.
 
 use crate::batch::HitRecord;
+use crate::build::{BuiltTree, Fitted, can_build, read_words};
+use crate::chunks::Chunks;
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::pack::pack;
 use crate::program::Question;
-use crate::uploaded::{BATCH, CAPACITIES, Sent, Uploaded};
+use crate::uploaded::{Around, BATCH, CAPACITIES, Placed, RAY_BUFFERS, Sent, Uploaded};
 use glam::DVec3;
 use meniscus::accel::Accel;
 use meniscus::accel::particles::ParticleTree;
@@ -52,14 +54,29 @@ impl std::ops::AddAssign for TraceWork {
 /// A field on a device.
 pub struct FieldTracer<'d> {
     device: &'d Device,
+    options: TracerOptions,
     /// `None`: there is nothing to hit.
     uploaded: Option<Uploaded>,
-    bytes: u64,
+    /// What the tree is built from, where the device builds it.
+    built: Option<BuiltTree>,
+    /// Time of the device for build and refit of the tree.
+    build_secs: f64,
+}
+
+/// What [`FieldTracer::update`] did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TreeUpdate {
+    /// The device's tree holds the blobs where they are now.
+    Refitted,
+    /// The device has built a new tree in the same buffers.
+    Rebuilt,
+    /// Everything was sent anew.
+    Sent,
 }
 
 impl<'d> FieldTracer<'d> {
-    /// Puts the field of `blobs` and its tree on a device; builds the tree where `blobs` has another
-    /// structure.
+    /// Puts the field of `blobs` and its tree on a device. The device builds the tree where `blobs` says so
+    /// ([`Accel::Elsewhere`]) and it can; the processor does where `blobs` has another structure.
     ///
     /// # Errors
     /// Where it does not fit, or the device fails.
@@ -68,38 +85,128 @@ impl<'d> FieldTracer<'d> {
         blobs: &Blobs,
         options: TracerOptions,
     ) -> Result<Self, GpuError> {
-        let built;
-        let tree = match &blobs.accel {
-            Accel::Particles(tree) | Accel::Interval(tree) => tree,
-            Accel::Cells(_) | Accel::Metaballs(_) | Accel::Sweep(_) => {
-                built = ParticleTree::build(&blobs.field, blobs.settings.builder);
-                &built
+        let tracer = match &blobs.accel {
+            Accel::Elsewhere if can_build(device, &blobs.field) => {
+                Self::build(device, blobs, options)?
+            }
+            Accel::Particles(tree) | Accel::Interval(tree) => {
+                Self::send(device, blobs, tree, options)?
+            }
+            Accel::Elsewhere | Accel::Cells(_) | Accel::Metaballs(_) | Accel::Sweep(_) => {
+                let tree = ParticleTree::build(&blobs.field, blobs.settings.builder);
+                Self::send(device, blobs, &tree, options)?
             }
         };
+        device.check()?;
+        Ok(tracer)
+    }
+
+    fn new(device: &'d Device, options: TracerOptions) -> Self {
+        Self {
+            device,
+            options,
+            uploaded: None,
+            built: None,
+            build_secs: 0.0,
+        }
+    }
+
+    /// Sends a tree.
+    fn send(
+        device: &'d Device,
+        blobs: &Blobs,
+        tree: &ParticleTree,
+        options: TracerOptions,
+    ) -> Result<Self, GpuError> {
+        let mut tracer = Self::new(device, options);
         let Some(bounds) = tree.bounds.filter(|_| !tree.nodes.is_empty()) else {
-            return Ok(Self {
-                device,
-                uploaded: None,
-                bytes: 0,
-            });
+            return Ok(tracer);
         };
         let Some(packed) = pack(&blobs.field, tree) else {
             let message = "its words cannot be numbered in 32 bits".to_owned();
             return Err(device.too_large(0, message));
         };
-        let bytes = size_of_val(&packed.words[..]) as u64;
-        let uploaded = Uploaded::new(device, blobs, (tree, bounds), &packed, options)?;
-        device.check()?;
-        Ok(Self {
-            device,
-            uploaded: Some(uploaded),
-            bytes,
-        })
+        let chunks = Chunks::new(device, packed.words.len(), RAY_BUFFERS, options)?;
+        chunks.write(device, &packed.words)?;
+        let placed = Placed {
+            chunks,
+            leaves_at: packed.leaves_at,
+            stack: packed.stack,
+        };
+        let around = Around {
+            bounds,
+            typical_support: tree.typical_support,
+        };
+        tracer.uploaded = Some(Uploaded::new(device, blobs, placed, around, options));
+        Ok(tracer)
+    }
+
+    /// Lets the device build the tree.
+    fn build(device: &'d Device, blobs: &Blobs, options: TracerOptions) -> Result<Self, GpuError> {
+        let mut tracer = Self::new(device, options);
+        if blobs.field.is_empty() {
+            return Ok(tracer);
+        }
+        let (mut tree, placed) = BuiltTree::new(device, &blobs.field, options)?;
+        let fitted = tree.build(device, &blobs.field, &placed)?;
+        let uploaded = Uploaded::new(device, blobs, placed, around(&fitted), options);
+        tracer.uploaded = Some(uploaded);
+        tracer.built = Some(tree);
+        tracer.build_secs = fitted.device_secs;
+        Ok(tracer)
+    }
+
+    /// Takes the next field of a moving set. A tree that the device built is refitted where the same blobs
+    /// have moved a little, else built anew in the same buffers.
+    ///
+    /// # Errors
+    /// Where it does not fit, or the device fails.
+    pub fn update(&mut self, blobs: &Blobs) -> Result<TreeUpdate, GpuError> {
+        if let (Some(tree), Some(uploaded), Accel::Elsewhere) =
+            (&mut self.built, &mut self.uploaded, &blobs.accel)
+            && tree.suits(&blobs.field)
+        {
+            let (fitted, is_new) = tree.refit(self.device, &blobs.field, uploaded.placed())?;
+            uploaded.set(blobs, around(&fitted));
+            self.build_secs = fitted.device_secs;
+            return Ok(match is_new {
+                false => TreeUpdate::Refitted,
+                true => TreeUpdate::Rebuilt,
+            });
+        }
+        // Room for the next before it is made.
+        self.uploaded = None;
+        self.built = None;
+        *self = Self::upload(self.device, blobs, self.options)?;
+        Ok(TreeUpdate::Sent)
+    }
+
+    /// Time of the device for the last build or refit of the tree, in seconds by its own clock; 0 where
+    /// the processor built it or the device keeps no time.
+    pub fn build_secs(&self) -> f64 {
+        self.build_secs
+    }
+
+    /// The tree as it stands in the device's buffers, in words, and the word of the first leaf: for tests.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn words(&self) -> Result<(Vec<[u32; 4]>, usize), GpuError> {
+        match &self.uploaded {
+            None => Ok((Vec::new(), 0)),
+            Some(uploaded) => {
+                let placed = uploaded.placed();
+                let words = read_words(self.device, &placed.chunks)?;
+                Ok((words, placed.leaves_at as usize))
+            }
+        }
     }
 
     /// Memory taken on the device.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        let tree = self.uploaded.as_ref();
+        let tree = tree.map_or(0, |uploaded| uploaded.placed().chunks.bytes());
+        tree + self.built.as_ref().map_or(0, BuiltTree::bytes)
     }
 
     /// Rays that are sent together.
@@ -203,6 +310,13 @@ impl<'d> FieldTracer<'d> {
             answer(sent, None);
         }
         Ok(work)
+    }
+}
+
+fn around(fitted: &Fitted) -> Around {
+    Around {
+        bounds: fitted.bounds,
+        typical_support: fitted.typical_support,
     }
 }
 

@@ -1,14 +1,14 @@
 //! A field in a device's buffers, and the batches of rays that are sent to it.
 
 use crate::batch::{Batch, Call, HitRecord, MET_BLOB_BYTES, ParamsRecord, RayRecord, Room};
+use crate::chunks::Chunks;
 use crate::device::Device;
 use crate::error::GpuError;
-use crate::pack::{Packed, Word};
 use crate::program::Question;
 use crate::shader::{ShaderKind, WORKGROUP};
+use crate::stage::Bindings;
 use crate::tracer::TracerOptions;
 use glam::DVec3;
-use meniscus::accel::particles::ParticleTree;
 use meniscus::frame::Blobs;
 use meniscus::intersect::particles::LONGEST_STRETCH;
 use meniscus::intersect::{ClippedRay, Tolerances};
@@ -37,8 +37,8 @@ const SMALLEST_STACK: u32 = 64;
 /// A stack is no deeper than this; the CPU answers rays that need more.
 const DEEPEST_STACK: u32 = 256;
 
-/// Words of the largest chunk as a power of two: 2 GiB.
-const MOST_CHUNK_BITS: u32 = 27;
+/// Storage buffers that rays, hits and what they meet take.
+pub(crate) const RAY_BUFFERS: u32 = 4;
 
 /// `LocalRay::flags`.
 const STARTS_INSIDE: u32 = 1;
@@ -51,13 +51,33 @@ pub(crate) struct Uploaded {
     field_origin: DVec3,
     bounds: Aabb,
     shutter_secs: [f64; 2],
-    chunks: Vec<wgpu::Buffer>,
+    placed: Placed,
     kind: ShaderKind,
     /// For ordinary rays and for crowded ones.
     capacities: [u32; 2],
     params: ParamsRecord,
     idle: Mutex<Vec<Batch>>,
     batch: AtomicUsize,
+}
+
+/// A tree in a device's buffers.
+#[derive(Debug)]
+pub(crate) struct Placed {
+    /// Nodes, then leaves.
+    pub(crate) chunks: Chunks,
+    /// Word of the first leaf.
+    pub(crate) leaves_at: u32,
+    /// Most references that a ray can have waiting.
+    pub(crate) stack: u32,
+}
+
+/// What is known of a tree beside its buffers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Around {
+    /// Local box around all supports.
+    pub(crate) bounds: Aabb,
+    /// Mean radius of the supports.
+    pub(crate) typical_support: f32,
 }
 
 /// One ray on its way.
@@ -72,65 +92,69 @@ impl Uploaded {
     pub(crate) fn new(
         device: &Device,
         blobs: &Blobs,
-        (tree, bounds): (&ParticleTree, Aabb),
-        packed: &Packed,
+        placed: Placed,
+        around: Around,
         options: TracerOptions,
-    ) -> Result<Self, GpuError> {
-        let chunk_bits = chunk_bits(device, options);
-        let chunk_words = 1_usize << chunk_bits;
-        let count = packed.words.len().div_ceil(chunk_words) as u32;
-        let bytes = size_of_val(&packed.words[..]) as u64;
-        // Rays, hits and what they meet take four.
+    ) -> Self {
         let most = device
             .limits
             .max_storage_buffers_per_shader_stage
-            .saturating_sub(4);
-        if count > most {
-            let message = format!(
-                "it takes {count} buffers of {} bytes and can bind {most}",
-                chunk_words * size_of::<Word>()
-            );
-            return Err(device.too_large(bytes, message));
-        }
-        let chunks = packed
-            .words
-            .chunks(chunk_words)
-            .map(|words| upload(device, words))
-            .collect::<Result<Vec<_>, GpuError>>()?;
+            .saturating_sub(RAY_BUFFERS);
+        let count = placed.chunks.buffers.len() as u32;
         // Few numbers of buffers, so that few shaders are needed.
         let bound = count.next_power_of_two().min(most);
-        let tolerances = Tolerances::of(blobs, bounds);
         let capacity = options.capacity.unwrap_or(CAPACITIES[0]);
-        Ok(Self {
+        let mut uploaded = Self {
             field_origin: blobs.field.origin,
-            bounds,
-            shutter_secs: tree.shutter_secs,
-            chunks,
+            bounds: around.bounds,
+            shutter_secs: [0.0; 2],
             capacities: [capacity, CAPACITIES[1].max(capacity)],
             kind: ShaderKind {
                 kernel: blobs.field.kernel,
                 ellipsoids: matches!(blobs.field.shapes, Shapes::Ellipsoids(_)),
-                moves: tree.moves(),
+                moves: blobs.field.motion.is_some(),
                 chunks: bound,
-                chunk_bits,
-                stack: packed
+                chunk_bits: placed.chunks.bits,
+                stack: placed
                     .stack
                     .next_power_of_two()
                     .clamp(SMALLEST_STACK, DEEPEST_STACK),
             },
-            params: [
-                blobs.field.threshold.to_bits(),
-                tolerances.crossing.to_bits(),
-                tolerances.rounding.to_bits(),
-                tolerances.near_start.to_bits(),
-                (LONGEST_STRETCH * tree.typical_support).to_bits(),
-                0,
-                packed.leaves_at,
-                0,
-            ],
+            placed,
+            params: [0; 8],
             idle: Mutex::default(),
             batch: AtomicUsize::new(BATCH),
-        })
+        };
+        uploaded.set(blobs, around);
+        uploaded
+    }
+
+    /// Takes the numbers of another field whose tree stands in the same buffers.
+    pub(crate) fn set(&mut self, blobs: &Blobs, around: Around) {
+        let field = &blobs.field;
+        let tolerances = Tolerances::of(blobs, around.bounds);
+        self.field_origin = field.origin;
+        self.bounds = around.bounds;
+        self.shutter_secs = field
+            .motion
+            .as_ref()
+            .map_or([0.0; 2], |motion| motion.shutter);
+        self.kind.kernel = field.kernel;
+        self.params = [
+            field.threshold.to_bits(),
+            tolerances.crossing.to_bits(),
+            tolerances.rounding.to_bits(),
+            tolerances.near_start.to_bits(),
+            (LONGEST_STRETCH * around.typical_support).to_bits(),
+            0,
+            self.placed.leaves_at,
+            0,
+        ];
+    }
+
+    /// The tree's buffers.
+    pub(crate) fn placed(&self) -> &Placed {
+        &self.placed
     }
 
     pub(crate) fn clip(&self, ray: &Ray) -> Option<ClippedRay> {
@@ -158,7 +182,7 @@ impl Uploaded {
             capacity: self.capacities[room],
             workgroup: WORKGROUP,
         };
-        let batch = self.borrow(device, &program.group_layout)?;
+        let batch = self.borrow(device, &program.bindings)?;
         let mut records = Vec::new();
         let mut hits = Vec::new();
         let mut rest = waiting;
@@ -231,7 +255,7 @@ impl Uploaded {
         ]
     }
 
-    fn borrow(&self, device: &Device, layout: &wgpu::BindGroupLayout) -> Result<Batch, GpuError> {
+    fn borrow(&self, device: &Device, bindings: &Bindings) -> Result<Batch, GpuError> {
         let idle = self
             .idle
             .lock()
@@ -240,22 +264,10 @@ impl Uploaded {
         match idle {
             Some(batch) => Ok(batch),
             None => Batch::new(device, room(device), |buffers| {
-                let mut entries: Vec<wgpu::BindGroupEntry<'_>> = Vec::new();
                 // Bindings without a buffer of their own are never read.
-                let spare = self.chunks.iter().cycle().skip(self.chunks.len());
-                let spare = spare.take(self.kind.chunks as usize - self.chunks.len());
-                let chunks = self.chunks.iter().chain(spare);
-                for (binding, buffer) in (0..).zip(buffers.into_iter().chain(chunks)) {
-                    entries.push(wgpu::BindGroupEntry {
-                        binding,
-                        resource: buffer.as_entire_binding(),
-                    });
-                }
-                device.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("trace"),
-                    layout,
-                    entries: &entries,
-                })
+                let field = self.placed.chunks.buffers.iter().cycle();
+                let field = field.take(self.kind.chunks as usize);
+                bindings.group(&device.device, buffers.into_iter().chain(field))
             }),
         }
     }
@@ -263,49 +275,11 @@ impl Uploaded {
 
 /// What a batch has room for: no more blobs than the adapter binds.
 fn room(device: &Device) -> Room {
-    let limits = &device.limits;
-    let largest = limits
-        .max_storage_buffer_binding_size
-        .min(limits.max_buffer_size);
+    let largest = device.largest_binding();
     Room {
         rays: BATCH,
         met: (BATCH * CAPACITIES[0] as usize).min((largest / MET_BLOB_BYTES) as usize),
     }
-}
-
-/// Words per buffer, as a power of two.
-fn chunk_bits(device: &Device, options: TracerOptions) -> u32 {
-    let limits = &device.limits;
-    let largest = limits
-        .max_storage_buffer_binding_size
-        .min(limits.max_buffer_size)
-        .min(options.largest_chunk_bytes.unwrap_or(u64::MAX));
-    let words = (largest / size_of::<Word>() as u64).max(1);
-    words.ilog2().min(MOST_CHUNK_BITS)
-}
-
-/// Bytes written at once, so that what is on its way stays small.
-const PORTION: usize = 16 << 20;
-
-fn upload(device: &Device, words: &[Word]) -> Result<wgpu::Buffer, GpuError> {
-    let bytes: &[u8] = bytemuck::cast_slice(words);
-    let buffer = device.within_memory(bytes.len() as u64, || {
-        device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("field"),
-            size: bytes.len() as u64,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
-    })?;
-    for (portion, bytes) in bytes.chunks(PORTION).enumerate() {
-        let at = (portion * PORTION) as u64;
-        device.queue.write_buffer(&buffer, at, bytes);
-        if bytes.len() == PORTION {
-            device.queue.submit([]);
-            device.wait()?;
-        }
-    }
-    Ok(buffer)
 }
 
 /// Each component as a sum of two f32, in bits.

@@ -1,7 +1,7 @@
 //! Every shader is valid, on any machine: no adapter is asked.
 
 use meniscus::kernel::Kernel;
-use meniscus_gpu::{ShaderKind, sources};
+use meniscus_gpu::{BuildKind, BuildStep, ShaderKind, sources};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn kinds() -> Vec<ShaderKind> {
@@ -43,6 +43,30 @@ fn all_are_valid() {
             .map(|e| e.name.as_str())
             .collect();
         assert_eq!(entries, ["closest", "occluded"]);
+    }
+}
+
+#[test]
+fn those_that_build_are_valid() {
+    for (ellipsoids, moves) in [(false, false), (false, true), (true, false), (true, true)] {
+        for chunks in [1, 3] {
+            let kind = BuildKind {
+                ellipsoids,
+                moves,
+                raw_chunks: chunks,
+                tree_chunks: chunks + 1,
+                chunk_bits: 23,
+            };
+            for step in BuildStep::ALL {
+                let text = kind.sources(step);
+                let module = naga::front::wgsl::parse_str(&text)
+                    .unwrap_or_else(|error| panic!("{step:?}: {}", error.emit_to_string(&text)));
+                let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+                if let Err(error) = validator.validate(&module) {
+                    panic!("{step:?}: {}", error.emit_to_string(&text));
+                }
+            }
+        }
     }
 }
 

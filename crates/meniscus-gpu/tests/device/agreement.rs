@@ -1,13 +1,10 @@
 //! The device's answers against the float64 oracle: the rays and the rule of every engine's suite.
 
-use crate::common::{Gpu, device};
+use crate::common::{Gpu, SHUTTER, blobs, device, moving};
 use glam::DVec3;
-use meniscus::accel::Engine;
-use meniscus::field::{Motion, Search};
-use meniscus::frame::Blobs;
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
-use meniscus::math::simd::Level;
+use meniscus::scene::Builder;
 use meniscus_gpu::TracerOptions;
 use meniscus_testing::corpus::{self, Scene};
 use meniscus_testing::examine::Question;
@@ -26,8 +23,18 @@ fn some_scenes() -> Vec<Scene> {
         .collect()
 }
 
-#[expect(clippy::print_stderr, reason = "how many rays went where")]
 fn check(
+    test: &str,
+    scenes: &[Scene],
+    options: TracerOptions,
+    rays_of: impl Fn(&Stage) -> Vec<Ray>,
+) {
+    check_tree_of(Builder::Sah, test, scenes, options, rays_of);
+}
+
+#[expect(clippy::print_stderr, reason = "how many rays went where")]
+fn check_tree_of(
+    builder: Builder,
     test: &str,
     scenes: &[Scene],
     options: TracerOptions,
@@ -42,7 +49,7 @@ fn check(
         let oracle = Oracle::new(&scene.field);
         let stage = Stage::new(scene, &oracle, 120);
         let rays = rays_of(&stage);
-        let blobs = Blobs::build(scene.field.clone(), Engine::Particles, Level::new());
+        let blobs = blobs(scene.field.clone(), builder);
         let gpu = Gpu::new(device, &blobs, options);
         for question in BOTH {
             problems.extend(complaints(&gpu, &stage, &rays, question));
@@ -140,6 +147,40 @@ fn evil_rays_and_sets() {
     );
 }
 
+/// The same rays on trees that the device built.
+#[test]
+fn trees_of_the_device() {
+    let rays_of = |stage: &Stage| {
+        let mut all = rays::hemisphere(&stage.points, 31);
+        all.extend(rays::primary(stage.oracle, 24, EYES[0]));
+        all.extend(rays::grazing(stage.oracle, &stage.points, 41));
+        all.extend(rays::inside(stage.oracle, &stage.points, 51));
+        rays::shuffled(all, 33)
+    };
+    let mut scenes = some_scenes();
+    scenes.extend(corpus::evil());
+    let options = TracerOptions::default();
+    check_tree_of(
+        Builder::Device,
+        "trees_of_the_device",
+        &scenes,
+        options,
+        rays_of,
+    );
+    let small = TracerOptions {
+        largest_chunk_bytes: Some(1 << 13),
+        capacity: None,
+    };
+    let scenes = ["pool", "ellipsoids"].map(|kind| corpus::scene(kind, Kernel::Sextic, 400));
+    check_tree_of(
+        Builder::Device,
+        "trees_of_the_device",
+        &scenes,
+        small,
+        rays_of,
+    );
+}
+
 /// Little room for blobs, and buffers of 16 KiB: what large fields meet on small devices.
 #[test]
 fn little_room_and_small_buffers() {
@@ -163,22 +204,15 @@ fn moving_blobs() {
     let Some(device) = device("moving_blobs") else {
         return;
     };
-    let shutter = [-0.3, 0.7];
-    for (kind, kernel) in [("pool", Kernel::Sextic), ("ellipsoids", Kernel::Quartic)] {
-        let mut scene = corpus::scene(kind, kernel, 400);
-        let speed = 2.0 * scene.field.spacing;
-        let rate = |i: usize, turn: f32| {
-            let angle = turn * i as f32;
-            [angle.cos() * speed, angle.sin() * speed, 0.3 * speed]
-        };
-        let count = scene.field.len();
-        scene.field.motion = Some(Motion {
-            velocities: (0..count).map(|i| rate(i, 2.4)).collect(),
-            half_accelerations: (0..count).map(|i| rate(i, -1.1)).collect(),
-            shutter,
-        });
-        scene.field.search = Search::default();
-        let blobs = Blobs::build(scene.field.clone(), Engine::Particles, Level::new());
+    for (kind, kernel, builder) in [
+        ("pool", Kernel::Sextic, Builder::Sah),
+        ("ellipsoids", Kernel::Quartic, Builder::Sah),
+        ("ellipsoids", Kernel::Octic, Builder::Device),
+        ("mixed", Kernel::Wyvill, Builder::Device),
+    ] {
+        let scene = moving(corpus::scene(kind, kernel, 400));
+        let shutter = SHUTTER;
+        let blobs = blobs(scene.field.clone(), builder);
         let gpu = Gpu::new(device, &blobs, TracerOptions::default());
         for time in [shutter[0], 0.0, 0.13, shutter[1]] {
             let oracle = Oracle::at(&scene.field, time);

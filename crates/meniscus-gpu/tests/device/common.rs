@@ -1,11 +1,16 @@
 //! A device for tests, and a field on it that the suite can ask.
 
+use meniscus::accel::Engine;
+use meniscus::field::{BlobField, Motion, Search};
 use meniscus::frame::Blobs;
 use meniscus::intersect::{BlobHit, Crossing, Scratch};
 use meniscus::math::ray::Ray;
+use meniscus::math::simd::Level;
+use meniscus::scene::{Builder, EngineSettings};
 use meniscus_gpu::{
-    AdapterChoice, Device, FieldTracer, GpuError, OpenOptions, TraceWork, TracerOptions,
+    AdapterChoice, Device, FieldTracer, GpuError, OpenOptions, TraceWork, TracerOptions, TreeUpdate,
 };
+use meniscus_testing::corpus::Scene;
 use meniscus_testing::examine::Tracer;
 use std::sync::{Mutex, OnceLock};
 
@@ -34,6 +39,36 @@ pub(crate) fn device(test: &str) -> Option<&'static Device> {
     }
 }
 
+/// A field for engine `particles`, its tree built by `builder`.
+pub(crate) fn blobs(field: BlobField, builder: Builder) -> Blobs {
+    let settings = EngineSettings {
+        builder,
+        ..EngineSettings::default()
+    };
+    Blobs::build_with(field, Engine::Particles, settings, Level::new())
+}
+
+/// When the shutter is open where sets move.
+pub(crate) const SHUTTER: [f64; 2] = [-0.3, 0.7];
+
+/// A set whose blobs move on curved ways.
+pub(crate) fn moving(mut scene: Scene) -> Scene {
+    let field = &mut scene.field;
+    let speed = 2.0 * field.spacing;
+    let rate = |i: usize, turn: f32| {
+        let angle = turn * i as f32;
+        [angle.cos() * speed, angle.sin() * speed, 0.3 * speed]
+    };
+    let count = field.len();
+    field.motion = Some(Motion {
+        velocities: (0..count).map(|i| rate(i, 2.4)).collect(),
+        half_accelerations: (0..count).map(|i| rate(i, -1.1)).collect(),
+        shutter: SHUTTER,
+    });
+    field.search = Search::default();
+    scene
+}
+
 /// A field on a device.
 pub(crate) struct Gpu<'a> {
     blobs: &'a Blobs,
@@ -48,6 +83,18 @@ impl<'a> Gpu<'a> {
             tracer: FieldTracer::upload(device, blobs, options).expect("the field fits"),
             work: Mutex::default(),
         }
+    }
+
+    /// The next field of a moving set in the same buffers.
+    pub(crate) fn followed_by(mut self, blobs: &'a Blobs) -> (Self, TreeUpdate) {
+        let update = self.tracer.update(blobs).expect("the field fits");
+        self.blobs = blobs;
+        (self, update)
+    }
+
+    /// The tree's words, and where the leaves begin.
+    pub(crate) fn words(&self) -> (Vec<[u32; 4]>, usize) {
+        self.tracer.words().expect("the device works")
     }
 
     pub(crate) fn work(&self) -> TraceWork {

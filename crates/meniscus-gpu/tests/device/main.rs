@@ -2,5 +2,6 @@
 //! where `MENISCUS_REQUIRE_GPU=1`, as in CI, they fail.
 
 mod agreement;
+mod build;
 mod common;
 mod pictures;

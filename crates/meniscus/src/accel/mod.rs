@@ -6,7 +6,7 @@ pub mod particles;
 pub mod supports;
 pub mod triangles;
 
-use crate::scene::EngineSettings;
+use crate::scene::{Builder, EngineSettings};
 use metaballs::MetaballTree;
 
 /// Which structure and solver answers rays.
@@ -77,6 +77,9 @@ pub enum Accel {
     Metaballs(metaballs::MetaballTree),
     /// For [`Engine::Sweep`].
     Sweep(supports::SupportTree),
+    /// For [`Engine::Particles`] where a device builds the tree ([`Builder::Device`]): rays that are asked
+    /// here all the same are answered as by [`Engine::Sweep`].
+    Elsewhere,
 }
 
 impl Accel {
@@ -98,6 +101,7 @@ impl Accel {
         };
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field)),
+            Engine::Particles if settings.builder == Builder::Device => Self::Elsewhere,
             Engine::Particles => Self::Particles(particle_tree()),
             Engine::Interval => Self::Interval(particle_tree()),
             Engine::MetaballBvh => Self::Metaballs(metaballs(metaballs::Boxes::Overlapping)),
@@ -110,7 +114,7 @@ impl Accel {
     pub fn engine(&self) -> Engine {
         match self {
             Self::Cells(_) => Engine::Cells,
-            Self::Particles(_) => Engine::Particles,
+            Self::Particles(_) | Self::Elsewhere => Engine::Particles,
             Self::Interval(_) => Engine::Interval,
             Self::Metaballs(tree) => match tree.boxes {
                 metaballs::Boxes::Overlapping => Engine::MetaballBvh,
@@ -127,6 +131,7 @@ impl Accel {
             Self::Particles(tree) | Self::Interval(tree) => tree.structure_bytes(),
             Self::Metaballs(tree) => tree.structure_bytes(),
             Self::Sweep(tree) => tree.structure_bytes(),
+            Self::Elsewhere => 0,
         }
     }
 }

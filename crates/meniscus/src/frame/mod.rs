@@ -81,7 +81,11 @@ impl Blobs {
     pub fn refinement_secs(&self) -> f64 {
         match &self.accel {
             Accel::Cells(cells) => cells.refinement_secs(),
-            Accel::Particles(_) | Accel::Interval(_) | Accel::Metaballs(_) | Accel::Sweep(_) => 0.0,
+            Accel::Particles(_)
+            | Accel::Interval(_)
+            | Accel::Metaballs(_)
+            | Accel::Sweep(_)
+            | Accel::Elsewhere => 0.0,
         }
     }
 
@@ -89,9 +93,11 @@ impl Blobs {
     pub fn exact_tree(&self) -> &SupportTree {
         match &self.accel {
             Accel::Sweep(tree) => tree,
-            Accel::Cells(_) | Accel::Particles(_) | Accel::Interval(_) | Accel::Metaballs(_) => {
-                self.exact.get_or_init(|| SupportTree::build(&self.field))
-            }
+            Accel::Cells(_)
+            | Accel::Particles(_)
+            | Accel::Interval(_)
+            | Accel::Metaballs(_)
+            | Accel::Elsewhere => self.exact.get_or_init(|| SupportTree::build(&self.field)),
         }
     }
 }

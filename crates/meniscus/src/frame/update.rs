@@ -38,7 +38,8 @@ impl Blobs {
             | Accel::Interval(_)
             | Accel::Cells(_)
             | Accel::Metaballs(_)
-            | Accel::Sweep(_) => {}
+            | Accel::Sweep(_)
+            | Accel::Elsewhere => {}
         }
         let engine = self.accel.engine();
         *self = Self::build_with(field, engine, self.settings, self.level);

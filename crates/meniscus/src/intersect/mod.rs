@@ -136,7 +136,9 @@ impl Blobs {
             Accel::Particles(tree) => particles::closest(self, tree, ray, scratch),
             Accel::Interval(tree) => interval::closest(self, tree, ray, scratch),
             Accel::Metaballs(tree) => metaballs::closest(self, tree, ray, scratch),
-            Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch),
+            Accel::Sweep(_) | Accel::Elsewhere => {
+                sweep::closest(self, self.exact_tree(), ray, scratch)
+            }
         }
     }
 
@@ -150,7 +152,9 @@ impl Blobs {
             Accel::Particles(tree) => particles::occluded(self, tree, ray, scratch),
             Accel::Interval(tree) => interval::occluded(self, tree, ray, scratch),
             Accel::Metaballs(tree) => metaballs::occluded(self, tree, ray, scratch),
-            Accel::Sweep(tree) => sweep::closest(self, tree, ray, scratch).is_some(),
+            Accel::Sweep(_) | Accel::Elsewhere => {
+                sweep::closest(self, self.exact_tree(), ray, scratch).is_some()
+            }
         }
     }
 
@@ -163,7 +167,11 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::closest_many(self, cells, rays, hits, scratch),
-            Accel::Particles(_) | Accel::Interval(_) | Accel::Metaballs(_) | Accel::Sweep(_) => {
+            Accel::Particles(_)
+            | Accel::Interval(_)
+            | Accel::Metaballs(_)
+            | Accel::Sweep(_)
+            | Accel::Elsewhere => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.closest(ray, scratch);
                 }
@@ -180,7 +188,11 @@ impl Blobs {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
             Accel::Cells(cells) => cells::occluded_many(self, cells, rays, hits, scratch),
-            Accel::Particles(_) | Accel::Interval(_) | Accel::Metaballs(_) | Accel::Sweep(_) => {
+            Accel::Particles(_)
+            | Accel::Interval(_)
+            | Accel::Metaballs(_)
+            | Accel::Sweep(_)
+            | Accel::Elsewhere => {
                 for (ray, hit) in rays.iter().zip(hits) {
                     *hit = self.occluded(ray, scratch);
                 }
@@ -190,9 +202,9 @@ impl Blobs {
 
     /// Every crossing of an object-space ray, in order, appended to `crossings`.
     pub fn crossings(&self, ray: &Ray, scratch: &mut Scratch, crossings: &mut Vec<Crossing>) {
-        if let Accel::Sweep(tree) = &self.accel {
+        if let Accel::Sweep(_) | Accel::Elsewhere = &self.accel {
             if ray.is_traceable() {
-                sweep::crossings(self, tree, ray, scratch, crossings);
+                sweep::crossings(self, self.exact_tree(), ray, scratch, crossings);
             }
             return;
         }

@@ -37,6 +37,8 @@ pub enum Builder {
     Sah,
     /// Along a Morton curve: the faster build.
     Morton,
+    /// By the device that traces, along a Hilbert curve; engine `interval` builds as with `morton`.
+    Device,
 }
 
 /// `[engine]`. Each key concerns the engines that its description names; others ignore it.
@@ -54,7 +56,7 @@ pub struct EngineSettings {
     pub discard: bool,
     /// `sweep`: `own`, `nishita` or `kanamori`.
     pub clipping: Clipping,
-    /// `particles`, `interval`: `sah` or `morton`.
+    /// `particles`, `interval`: `sah`, `morton` or `device`.
     pub builder: Builder,
 }
 

@@ -56,8 +56,8 @@ pub(super) fn along_curve(field: &BlobField) -> Vec<Item> {
     items
 }
 
-/// Two octaves of the size, in six bits.
-fn size_class(radius: f64) -> u64 {
+/// Two octaves of the size, in six bits: particles of other classes are parted first.
+pub fn size_class(radius: f64) -> u64 {
     (radius.log2() * 0.5 + 32.0).clamp(0.0, 63.0) as u64
 }
 

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// Supports below the size of what shares one origin over this are left to float64: a coordinate's
 /// rounding, 2⁻²⁴ of that size, moves q by twice itself over the support, which is to stay near 10⁻⁵.
-const FINEST_PART: f32 = 64.0;
+pub const FINEST_PART: f32 = 64.0;
 
 /// So many rounding margins count as size: boxes are entered and rays start no more exactly.
 const MARGIN_PARTS: f32 = 512.0;
@@ -22,8 +22,38 @@ const STRETCH_SUPPORTS: f32 = 4.0;
 /// Blobs that one task sums up.
 const PIECE: usize = 1 << 14;
 
+/// What the leaves of one field share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measures {
+    /// Mean radius of the supports.
+    pub typical_support: f32,
+    /// How much wider than its blobs a leaf's box is on every side: the slab test's rounding grows with
+    /// the distance travelled within the box of all.
+    pub pad: f32,
+    /// No leaf counts as smaller than this when it is asked which blobs are too small for f32.
+    pub least_extent: f32,
+}
+
+impl Measures {
+    /// Those of `field`.
+    pub fn of(field: &BlobField) -> Self {
+        let typical_support = typical_support(field);
+        let all = support_bounds(field);
+        let pad = if field.is_empty() {
+            0.0
+        } else {
+            5e-7 * all.size().length().max(all.center().abs().max_element())
+        };
+        Self {
+            typical_support,
+            pad,
+            least_extent: (STRETCH_SUPPORTS * typical_support).max(MARGIN_PARTS * pad),
+        }
+    }
+}
+
 /// Mean radius of the supports.
-pub(super) fn typical_support(field: &BlobField) -> f32 {
+fn typical_support(field: &BlobField) -> f32 {
     // Pieces in a fixed order, so that the sum does not depend on the number of threads.
     let pieces: Vec<f64> = (0..field.len().div_ceil(PIECE))
         .into_par_iter()
@@ -38,7 +68,7 @@ pub(super) fn typical_support(field: &BlobField) -> f32 {
 }
 
 /// Box around all supports.
-pub(super) fn support_bounds(field: &BlobField) -> Aabb {
+fn support_bounds(field: &BlobField) -> Aabb {
     (0..field.len())
         .into_par_iter()
         .with_min_len(PIECE)
@@ -81,8 +111,7 @@ pub(super) fn leaves_of<P: Primitive>(
 /// where nothing moves.
 pub(super) fn fit_leaf<P: Primitive>(
     field: &BlobField,
-    typical: f32,
-    pad: f32,
+    measures: &Measures,
     leaf: &mut [Block],
 ) -> [Aabb; 2] {
     let count = LeafHeader::from_block(&leaf[0]).count;
@@ -97,7 +126,7 @@ pub(super) fn fit_leaf<P: Primitive>(
             *end = end.union(bounds);
         }
     }
-    let ends = ends.map(|bounds| bounds.padded(pad));
+    let ends = ends.map(|bounds| bounds.padded(measures.pad));
     let bounds = ends[0].union(ends[1]);
     let middle = field
         .motion
@@ -134,11 +163,7 @@ pub(super) fn fit_leaf<P: Primitive>(
         }
     }
     // |A|² ≥ β along every ray.
-    let extent = bounds
-        .size()
-        .max_element()
-        .max(STRETCH_SUPPORTS * typical)
-        .max(MARGIN_PARTS * pad);
+    let extent = bounds.size().max_element().max(measures.least_extent);
     let limit = (FINEST_PART / extent).powi(2);
     front[0] = LeafHeader {
         count,

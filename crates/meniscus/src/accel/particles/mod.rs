@@ -17,7 +17,9 @@ use crate::field::BlobField;
 use crate::math::aabb::Aabb;
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
 use crate::scene::Builder;
-use fit::{inner_level, typical_support};
+pub use curve::size_class;
+use fit::inner_level;
+pub use fit::{FINEST_PART, Measures};
 use glam::Vec3;
 use layout::Node;
 use rayon::prelude::*;
@@ -51,7 +53,7 @@ pub struct ParticleTree {
 }
 
 /// A refitted tree is worn where rays meet this many times the boxes of the one that was built.
-const WORN: f32 = 1.25;
+pub const WORN: f32 = 1.25;
 
 impl ParticleTree {
     /// Builds the tree of `field`. The same field gives the same tree for any number of threads.
@@ -70,7 +72,7 @@ impl ParticleTree {
                 let topology = Topology::build(&sah::Sah, &mut items);
                 (topology, items.iter().map(sah::Item::index).collect())
             }
-            Builder::Morton => {
+            Builder::Morton | Builder::Device => {
                 let mut items = curve::along_curve(field);
                 let topology = Topology::build(&curve::Curve::new(field), &mut items);
                 (topology, items.iter().map(curve::Item::index).collect())
@@ -114,21 +116,18 @@ impl ParticleTree {
 
     /// Fills the leaves and all boxes from `field`.
     fn fit<P: Primitive>(&mut self, field: &BlobField) {
-        self.typical_support = typical_support(field);
+        let measures = Measures::of(field);
+        self.typical_support = measures.typical_support;
         self.inner_level = inner_level(field);
-        let all = fit::support_bounds(field);
         self.bounds = None;
         if self.leaves == 0 {
             return;
         }
-        // The slab test's rounding grows with the distance travelled within the box.
-        let pad = 5e-7 * all.size().length().max(all.center().abs().max_element());
-        let typical = self.typical_support;
         let moves = field.motion.is_some();
         let fitted: Vec<[Aabb; 2]> = self
             .blocks
             .par_chunks_mut(layout::leaf_blocks::<P>(moves))
-            .map(|leaf| fit::fit_leaf::<P>(field, typical, pad, leaf))
+            .map(|leaf| fit::fit_leaf::<P>(field, &measures, leaf))
             .collect();
         let (bounds, cost) = fit::fit_nodes(&mut self.nodes, &mut [], |leaf| fitted[leaf][0]);
         (self.bounds, self.cost) = (Some(bounds), cost);
