@@ -46,6 +46,36 @@ print(round(json.load(open(sys.argv[1]))[sys.argv[2]]['mrays_per_sec'], 1))" "$f
   done
 done
 
+# 1.2 M ellipsoids that move while the shutter is open.
+[ -s "$folder/moving-1m2.toml" ] || "$meniscus" generate splash --count 1200000 -o "$folder/moving-1m2.npz" -q
+
+say ""
+say "| structure of | builder | sent, ms | card's own build, ms | followed, ms (own) | frames/s of primary + shadow by the card's clock: tree stands / is built each frame |"
+say "|---|---|---|---|---|---|"
+for name in pool-1m scattered-100k moving-1m2; do
+  size=1920x1080
+  [ "$name" = scattered-100k ] && size=640x480
+  more=()
+  [ "$name" = moving-1m2 ] && more=(--anisotropy estimate --shutter 0.5)
+  for builder in sah morton device; do
+    file="$folder/$name-$builder-built.json"
+    "$meniscus" bench "$folder/$name.toml" --size "$size" --device gpu --set "engine.builder=$builder" \
+      ${more[@]+"${more[@]}"} --json >"$file"
+    say "$(python3 - "$file" "$name $size" "$builder" <<'P'
+import json, sys
+report = json.load(open(sys.argv[1]))
+card = {key: 1e3 * secs for key, secs in report["on_card"].items()}
+own = lambda p: p["rays"] / (p["device_mrays_per_sec"] * 1e6)
+traced = own(report["primary"]) + own(report["shadow"])
+# Built by the processor, the tree has to come over the bus; its build beside that is the pipeline's.
+built = card["own_build_secs"] if sys.argv[3] == "device" else card["send_secs"]
+print(f"| {sys.argv[2]} | {sys.argv[3]} | {card['send_secs']:.2f} | {card['own_build_secs']:.2f} "
+      f"| {card['update_secs']:.2f} ({card['own_update_secs']:.2f}) | {1 / traced:.1f} / {1 / (traced + built / 1e3):.1f} |")
+P
+)"
+  done
+done
+
 say ""
 say "| picture, 1920x1080, 4 samples | card, s | processor, s | pixels that differ by more than 2 of 255 |"
 say "|---|---|---|---|"

@@ -20,6 +20,7 @@ pub enum Takeover {
 
 /// The blob surfaces of a frame on a device; everything else of it stays where it is.
 pub struct FrameTracer<'d> {
+    device: &'d Device,
     /// One per geometry of the frame.
     fields: Vec<Option<FieldTracer<'d>>>,
     takeover: Takeover,
@@ -44,11 +45,41 @@ impl<'d> FrameTracer<'d> {
             .map(|geometry| upload(geometry).transpose())
             .collect::<Result<Vec<_>, GpuError>>()?;
         Ok(Self {
+            device,
             fields,
             takeover,
             lost: OnceLock::new(),
             work: Mutex::default(),
         })
+    }
+
+    /// Takes the next frame of a moving set: trees that the device built are refitted or built anew in
+    /// their buffers ([`FieldTracer::update`]), everything else is sent as by [`FrameTracer::upload`].
+    ///
+    /// # Errors
+    /// Where it does not fit, or the device fails.
+    pub fn update(&mut self, frame: &Frame) -> Result<(), GpuError> {
+        let blobs: Vec<_> = frame.geometries.iter().map(Geometry::blobs).collect();
+        let is_alike = self.fields.len() == blobs.len()
+            && (self.fields.iter().zip(&blobs))
+                .all(|(field, blobs)| field.is_some() == blobs.is_some());
+        if !is_alike || self.lost().is_some() {
+            *self = Self::upload(self.device, frame, self.takeover)?;
+            return Ok(());
+        }
+        for (field, blobs) in self.fields.iter_mut().zip(blobs) {
+            if let (Some(field), Some(blobs)) = (field, blobs) {
+                field.update(blobs)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Time of the device for the last build or refit of its trees, in seconds by its own clock; 0 where
+    /// the processor builds them or the device keeps no time.
+    pub fn build_secs(&self) -> f64 {
+        let fields = self.fields.iter().flatten();
+        fields.map(FieldTracer::build_secs).sum()
     }
 
     /// Memory taken on the device.
@@ -64,6 +95,11 @@ impl<'d> FrameTracer<'d> {
     /// What was done so far.
     pub fn work(&self) -> TraceWork {
         *self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What was done so far, which counts from 0 again.
+    pub fn take_work(&self) -> TraceWork {
+        std::mem::take(&mut *self.work.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Takes note of what was done; whether the device did it. Else the CPU has to.

@@ -11,6 +11,8 @@ mod chunks;
 mod device;
 mod error;
 mod frame;
+#[cfg(test)]
+mod leaf_math_tests;
 mod pack;
 mod program;
 mod readback;

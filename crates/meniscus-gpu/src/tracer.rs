@@ -85,16 +85,23 @@ impl<'d> FieldTracer<'d> {
         blobs: &Blobs,
         options: TracerOptions,
     ) -> Result<Self, GpuError> {
+        let built_here = || {
+            let tree = ParticleTree::build(&blobs.field, blobs.settings.builder);
+            Self::send(device, blobs, &tree, options)
+        };
         let tracer = match &blobs.accel {
             Accel::Elsewhere if can_build(device, &blobs.field) => {
-                Self::build(device, blobs, options)?
+                match Self::build(device, blobs, options) {
+                    // The tree alone takes less than what it is built from.
+                    Err(GpuError::TooLarge { .. }) => built_here()?,
+                    built => built?,
+                }
             }
             Accel::Particles(tree) | Accel::Interval(tree) => {
                 Self::send(device, blobs, tree, options)?
             }
             Accel::Elsewhere | Accel::Cells(_) | Accel::Metaballs(_) | Accel::Sweep(_) => {
-                let tree = ParticleTree::build(&blobs.field, blobs.settings.builder);
-                Self::send(device, blobs, &tree, options)?
+                built_here()?
             }
         };
         device.check()?;

@@ -13,7 +13,8 @@ pub(crate) struct EngineArgs {
     /// metaball-bvh and fitted-bvh: engine.cost=n|n2 [default: n2]. fitted-bvh: engine.fit,
     /// engine.rmax_boxes and engine.discard, each true|false [default: true].
     /// sweep: engine.clipping=own|nishita|kanamori [default: own].
-    /// particles, interval: engine.builder=sah|morton [default: sah].
+    /// particles, interval: engine.builder=sah|morton|device [default: sah]; with device the card
+    /// builds the tree.
     #[arg(long, value_name = "NAME")]
     pub engine: Option<String>,
     /// Where to trace: cpu, gpu, auto [default: auto]

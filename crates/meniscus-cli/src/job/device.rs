@@ -7,6 +7,7 @@ use meniscus::intersect::{BlobTracer, Hit, OnCpu, Scratch, TraceError};
 use meniscus::math::ray::Ray;
 use meniscus_gpu::{AdapterChoice, Device, FrameTracer, GpuError, OpenOptions, Takeover};
 use std::sync::Arc;
+use std::time::Instant;
 
 /// What was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -142,6 +143,46 @@ impl Tracing<'_> {
         }
     }
 
+    /// What traces a frame on `device`, put there while another frame may still be rendered; `None`
+    /// where that does not work, such as for lack of memory: then it is asked for again when it is the
+    /// frame's turn.
+    pub(crate) fn ahead<'d>(device: Option<&'d OpenDevice>, frame: &Frame) -> Option<Tracing<'d>> {
+        let Some(device) = device else {
+            return Some(Tracing::Cpu);
+        };
+        let tracer = FrameTracer::upload(&device.device, frame, device.takeover).ok()?;
+        Some(Tracing::Gpu(Box::new(tracer)))
+    }
+
+    /// Takes the frame anew, in the same buffers where the card builds; how long that took, by the clock
+    /// on the wall and by the card's own.
+    pub(crate) fn update(&mut self, frame: &Frame) -> Outcome<Option<[f64; 2]>> {
+        let Self::Gpu(tracer) = self else {
+            return Ok(None);
+        };
+        let start = Instant::now();
+        tracer
+            .update(frame)
+            .map_err(|error| Failure::work(error.to_string()).with_help(ON_CPU))?;
+        Ok(Some([start.elapsed().as_secs_f64(), tracer.build_secs()]))
+    }
+
+    /// Memory that the frame's surfaces take on the device.
+    pub(crate) fn bytes(&self) -> u64 {
+        match self {
+            Self::Cpu => 0,
+            Self::Gpu(tracer) => tracer.bytes(),
+        }
+    }
+
+    /// Time of the device for building its trees, by its own clock.
+    pub(crate) fn build_secs(&self) -> Option<f64> {
+        match self {
+            Self::Cpu => None,
+            Self::Gpu(tracer) => Some(tracer.build_secs()),
+        }
+    }
+
     /// Rays to be asked about together.
     pub(crate) fn together(&self, on_cpu: usize) -> usize {
         match self {
@@ -200,7 +241,7 @@ impl Tracing<'_> {
         if let Some(error) = tracer.lost() {
             reporter.warn(&format!("{error}; the processor did the rest"));
         }
-        let work = tracer.work();
+        let work = tracer.take_work();
         reporter.note(&format!(
             "{} rays on the card, {} of them answered by the processor",
             work.rays, work.on_cpu

@@ -7,7 +7,7 @@ use crate::progress::Reporter;
 use meniscus::accel::Engine;
 use meniscus::frame::{Frame, FrameSettings};
 use meniscus::math::simd::{SimdLevel, level_name};
-use meniscus::scene::IntegratorKind;
+use meniscus::scene::{Builder, EngineSettings};
 
 /// Engines that are announced and not there yet.
 const ENGINES_TO_COME: [&str; 1] = ["peel"];
@@ -34,6 +34,16 @@ impl EngineChoice {
     pub(crate) fn name_for(&self, frame: &Frame) -> &'static str {
         let used = frame.blobs().next().map(|blobs| blobs.accel.engine());
         used.unwrap_or(self.frame.engine).name()
+    }
+
+    /// A scene's switches, as far as the device can have them.
+    pub(crate) fn switches(&self, given: EngineSettings) -> EngineSettings {
+        let builder = match (given.builder, &self.device) {
+            // The processor has no faster one.
+            (Builder::Device, None) => Builder::Morton,
+            (builder, _) => builder,
+        };
+        EngineSettings { builder, ..given }
     }
 
     /// What `--stats` calls the device.
@@ -99,12 +109,6 @@ impl EngineChoice {
             engine_is_given: args.engine.is_some(),
         })
     }
-}
-
-/// What a card cannot do of a picture.
-pub(crate) fn undoable(integrator: IntegratorKind) -> Option<String> {
-    (!meniscus::render::renders_on_device(integrator))
-        .then(|| format!("--integrator {}", integrator.name()))
 }
 
 fn engine(name: &str) -> Outcome<Engine> {

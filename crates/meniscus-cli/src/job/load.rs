@@ -132,7 +132,7 @@ pub(crate) fn build(
         all_settings.push(settings);
     }
     let settings = FrameSettings {
-        switches: scene.engine,
+        switches: engine.switches(scene.engine),
         ..engine.frame
     };
     let meshes = meshes(scene, reporter)?;

@@ -41,14 +41,6 @@ fn what_a_card_cannot_do_is_said() {
     let folder = Folder::with_water();
     for (words, part) in [
         (
-            "render water.toml -o a.png --integrator path",
-            "--integrator path",
-        ),
-        (
-            "render water.toml -o a.png --integrator ao",
-            "--integrator ao",
-        ),
-        (
             "render water.toml -o a.png --engine cells",
             "--engine cells",
         ),
@@ -100,6 +92,60 @@ fn a_picture_is_that_of_the_processor() {
     let ended = run_on_software(&folder, &format!("{words} -o auto.png"), &[]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert_eq!(folder.json("stats.json")["device"], "cpu");
+}
+
+/// Every integrator, on a tree that the card builds too; frame after frame.
+#[test]
+fn integrators_and_builders_give_the_same_pictures() {
+    let folder = Folder::with_water();
+    if !has_driver(&folder, "integrators_and_builders_give_the_same_pictures") {
+        return;
+    }
+    let budget = Budget::default();
+    for (integrator, builder) in [("path", "device"), ("whitted", "sah"), ("ao", "morton")] {
+        let words = format!(
+            "render water.toml --size 64x48 --spp 2 --turntable 2 --integrator {integrator} \
+             --set engine.builder={builder}"
+        );
+        let ended = run_on_software(
+            &folder,
+            &format!("{words} -o gpu{{}}.png --device gpu"),
+            &[],
+        );
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        folder.done(&format!("{words} -o cpu{{}}.png --engine particles"));
+        for number in 0..2 {
+            let [gpu, cpu] = ["gpu", "cpu"]
+                .map(|name| Picture::read(&folder.path(&format!("{name}{number}.png"))));
+            let difference = gpu.difference(&cpu, budget.channel);
+            assert!(
+                difference.pixels <= budget.pixels && difference.mean <= budget.mean,
+                "{integrator} {number}: {difference:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_card_says_how_long_it_builds() {
+    let folder = Folder::with_water();
+    if !has_driver(&folder, "a_card_says_how_long_it_builds") {
+        return;
+    }
+    let words = "bench water.toml --device gpu --size 8x8 --repeats 2 --json";
+    for builder in ["device", "morton"] {
+        let ended = run_on_software(
+            &folder,
+            &format!("{words} --set engine.builder={builder}"),
+            &[],
+        );
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
+        let secs = |key: &str| report["on_card"][key].as_f64().unwrap();
+        assert!(secs("send_secs") > 0.0 && secs("update_secs") > 0.0);
+        assert_eq!(secs("own_build_secs") > 0.0, builder == "device");
+        assert_eq!(secs("own_update_secs") > 0.0, builder == "device");
+    }
 }
 
 #[test]

@@ -92,7 +92,7 @@ fn uniform(device: &Device, numbers: [u32; 8]) -> wgpu::Buffer {
 pub(crate) fn can_build(device: &Device, field: &BlobField) -> bool {
     let count = u32::try_from(field.len()).unwrap_or(u32::MAX);
     let bindings = device.limits.max_storage_buffers_per_shader_stage;
-    sort::fits(count, device.largest_binding()) && bindings > sort::BUFFERS
+    sort::fits(count, device.largest_binding()) && bindings >= sort::BUFFERS
 }
 
 impl BuiltTree {

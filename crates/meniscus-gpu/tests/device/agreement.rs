@@ -2,12 +2,13 @@
 
 use crate::common::{Gpu, SHUTTER, blobs, device, moving};
 use glam::DVec3;
+use meniscus::intersect::Scratch;
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
 use meniscus::scene::Builder;
 use meniscus_gpu::TracerOptions;
 use meniscus_testing::corpus::{self, Scene};
-use meniscus_testing::examine::Question;
+use meniscus_testing::examine::{Question, Tracer};
 use meniscus_testing::oracle::Oracle;
 use meniscus_testing::rays;
 use meniscus_testing::suite::{Stage, complaints};
@@ -179,6 +180,37 @@ fn trees_of_the_device() {
         small,
         rays_of,
     );
+}
+
+/// Long ways through many blobs: more rounds than llvmpipe lets loops run, which has to be noticed.
+#[test]
+fn long_ways_inside() {
+    let Some(device) = device("long_ways_inside") else {
+        return;
+    };
+    let scene = corpus::scene("pool", Kernel::Quartic, 60_000);
+    let blobs = blobs(scene.field.clone(), Builder::Morton);
+    let gpu = Gpu::new(device, &blobs, TracerOptions::default());
+    let field = &scene.field;
+    let rays: Vec<Ray> = (0..400)
+        .map(|i| {
+            let origin = field.origin + field.center(i * 131 % field.len()).as_dvec3();
+            let angle = 2.4 * i as f64;
+            let direction = DVec3::new(angle.cos(), 0.3 * (0.7 * angle).sin(), angle.sin());
+            Ray::new(origin, direction.normalize())
+        })
+        .collect();
+    let mut scratch = Scratch::default();
+    let ours = gpu.closest_many(&rays, &mut scratch);
+    let tolerance = 1e-4 * f64::from(field.spacing);
+    for (ray, ours) in rays.iter().zip(ours) {
+        let theirs = blobs.closest(ray, &mut scratch);
+        let [ours, theirs] = [ours, theirs].map(|hit| hit.map_or(f64::INFINITY, |hit| hit.t));
+        assert!(
+            ours == theirs || (ours - theirs).abs() <= tolerance,
+            "{ours}, not {theirs}"
+        );
+    }
 }
 
 /// Little room for blobs, and buffers of 16 KiB: what large fields meet on small devices.

@@ -11,7 +11,9 @@ use meniscus::render::{
     Backend, CpuBackend, DeviceBackend, Progress, RenderError, RenderSettings, RenderState,
 };
 use meniscus::scene::camera::Camera;
-use meniscus::scene::{Clip, Ground, IntegratorKind, Scene, Sphere, Surface};
+use meniscus::scene::{
+    Clip, Ground, IntegratorKind, Material, MaterialKind, Scene, Sphere, Surface,
+};
 use meniscus_gpu::{AdapterChoice, Device, FrameTracer, OpenOptions, Takeover};
 use meniscus_testing::corpus;
 use meniscus_testing::image::{Budget, Picture};
@@ -31,9 +33,10 @@ fn picture(film: &Film) -> Picture {
     }
 }
 
-fn settings() -> RenderSettings {
+fn settings(scene: &Scene) -> RenderSettings {
     RenderSettings {
         spp: 4,
+        integrator: scene.integrator.clone(),
         ..RenderSettings::default()
     }
 }
@@ -41,7 +44,10 @@ fn settings() -> RenderSettings {
 /// A frame of a set of the corpus, on the ground, for engine `cells`.
 fn frame_of(kind: &str, scene: &Scene) -> Frame {
     let scene = Scene {
-        surfaces: vec![Surface::from_file("")],
+        surfaces: match &scene.surfaces[..] {
+            [] => vec![Surface::from_file("")],
+            given => given.to_vec(),
+        },
         ground: Some(Ground::default()),
         ..scene.clone()
     };
@@ -57,7 +63,7 @@ fn rendered(backend: &dyn Backend, frame: &Frame, scene: &Scene) -> Result<Film,
     let camera = Camera::from_settings(&scene.camera, frame.framing_bounds(), SIZE)
         .expect("the camera sees something");
     let state = RenderState::new();
-    let (film, _) = backend.render(frame, &camera, &settings(), &state, &Progress::none())?;
+    let (film, _) = backend.render(frame, &camera, &settings(scene), &state, &Progress::none())?;
     Ok(film)
 }
 
@@ -114,26 +120,34 @@ fn company_and_cuts_are_kept() {
     check_same(device, "pool", &scene);
 }
 
+/// Integrators ask the device bounce by bounce, and draw the same random numbers.
 #[test]
-fn other_integrators_are_refused() {
-    let Some(device) = device("other_integrators_are_refused") else {
+fn integrators_see_the_same() {
+    let Some(device) = device("integrators_see_the_same") else {
         return;
     };
-    let scene = Scene::default();
-    let frame = frame_of("pool", &scene);
-    let tracer = FrameTracer::upload(device, &frame, Takeover::Never).expect("the frame fits");
-    let backend = DeviceBackend {
-        name: "gpu",
-        tracer: &tracer,
+    let mut glass = Scene::default();
+    let material = Material {
+        kind: MaterialKind::Glass,
+        ..Material::default()
     };
-    let camera = Camera::from_settings(&scene.camera, frame.framing_bounds(), SIZE)
-        .expect("the camera sees something");
-    let mut settings = settings();
-    settings.integrator.kind = IntegratorKind::Path;
-    let state = RenderState::new();
-    let result = backend.render(&frame, &camera, &settings, &state, &Progress::none());
-    let error = result.map(|_| ()).expect_err("it cannot").to_string();
-    assert!(error.contains("gpu") && error.contains("path"), "{error}");
+    glass.materials.insert("glass".to_owned(), material);
+    glass.surfaces = vec![Surface {
+        material: Some("glass".to_owned()),
+        ..Surface::from_file("")
+    }];
+    let others = [
+        IntegratorKind::Whitted,
+        IntegratorKind::Ao,
+        IntegratorKind::Path,
+    ];
+    for kind in others {
+        for (name, scene) in [("pool", &Scene::default()), ("mixed", &glass)] {
+            let mut scene = scene.clone();
+            scene.integrator.kind = kind;
+            check_same(device, name, &scene);
+        }
+    }
 }
 
 /// A device that goes away after `batches`.

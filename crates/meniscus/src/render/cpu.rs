@@ -10,7 +10,6 @@ use crate::intersect::surface::Curvature;
 use crate::intersect::{BlobTracer, Hit, OnCpu};
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::{PixelFilter, PixelSampler};
-use crate::scene::IntegratorKind;
 use crate::scene::camera::Camera;
 use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader};
 use glam::Vec3;
@@ -26,6 +25,8 @@ struct Cut {
     tile_side: u32,
     /// Side of the blocks of pixels whose rays are traced together; divides `tile_side`.
     block_side: u32,
+    /// Whether all rays that are known go together, rather than each at once.
+    waits: bool,
 }
 
 /// Tiles large enough for rays to find their neighbours' data in the cache, small enough to keep many
@@ -33,12 +34,14 @@ struct Cut {
 const ON_CPU: Cut = Cut {
     tile_side: 16,
     block_side: 4,
+    waits: false,
 };
 
 /// Tiles whose rays keep a device busy and whose buffers stay small.
 const ON_DEVICE: Cut = Cut {
     tile_side: 256,
     block_side: 256,
+    waits: true,
 };
 
 /// Renders on this machine's processor.
@@ -88,22 +91,7 @@ where
         state: &RenderState,
         progress: &Progress<'_>,
     ) -> Result<(Film, RenderStats), RenderError> {
-        let kind = settings.integrator.kind;
-        if !renders_on_device(kind) {
-            return Err(RenderError::Integrator {
-                device: self.name,
-                integrator: kind.name(),
-            });
-        }
         Job::new((self.tracer, ON_DEVICE), frame, camera, settings)?.run_on_threads(state, progress)
-    }
-}
-
-/// Whether a device can render with an integrator: whether its rays are known many at a time.
-pub fn renders_on_device(integrator: IntegratorKind) -> bool {
-    match integrator {
-        IntegratorKind::Shaded => true,
-        IntegratorKind::Whitted | IntegratorKind::Ao | IntegratorKind::Path => false,
     }
 }
 
@@ -302,7 +290,7 @@ where
                 }
                 for sample in samples.clone() {
                     self.find_first(&mut block, [left, top], sample, scratch)?;
-                    self.add_block(&mut film, &mut block, tile, sample, scratch);
+                    self.add_block(&mut film, &mut block, tile, sample, scratch)?;
                 }
             }
         }
@@ -364,15 +352,14 @@ where
         tile: &mut Tile,
         sample: u32,
         scratch: &mut ShadeScratch,
-    ) {
-        for (index, start) in block.starts.iter_mut().enumerate() {
+    ) -> Result<(), RenderError> {
+        let Tile { region, noise } = tile;
+        let Block { starts, eye } = block;
+        let mut add = |start: &Start, time_secs: f64, seen: &Seen, attributes: &[f32]| {
             let [x, y] = start.pixel;
-            let Some(pixel) = tile.region.index(x, y) else {
-                continue;
+            let Some(pixel) = region.index(x, y) else {
+                return;
             };
-            let seen = self
-                .shader
-                .sample(&block.eye, index, &mut start.sampler, scratch);
             let offset = [
                 start.position[0] - f64::from(x) - 0.5,
                 start.position[1] - f64::from(y) - 0.5,
@@ -383,15 +370,39 @@ where
                 backdrop: seen.backdrop,
                 albedo: seen.albedo,
                 denoising_albedo: seen.denoising_albedo,
-                surface: self.surface_sample(&seen, block.eye.rays[index].time),
-                attributes: scratch.attributes(),
+                surface: self.surface_sample(seen, time_secs),
+                attributes,
             };
             film.add(x, y, sample, offset, &sample_seen);
             if self.settings.noise.is_some() {
                 let luminance = luminance(Vec3::from_array(seen.radiance));
-                tile.noise.add(pixel, luminance);
+                noise.add(pixel, luminance);
             }
+        };
+        let is_wanted = |start: &Start| region.index(start.pixel[0], start.pixel[1]).is_some();
+        if self.cut.waits {
+            let wanted = starts.iter().enumerate();
+            let wanted = wanted.filter(|(_, start)| is_wanted(start));
+            let samples = wanted.map(|(index, start)| (index, start.sampler.clone()));
+            self.shader.sample_many(
+                self.tracer,
+                eye,
+                samples,
+                scratch,
+                |index, seen, attributes| {
+                    add(&starts[index], eye.rays[index].time, seen, attributes);
+                },
+            )?;
+            return Ok(());
         }
+        for (index, start) in starts.iter_mut().enumerate() {
+            if !is_wanted(start) {
+                continue;
+            }
+            let seen = self.shader.sample(eye, index, &mut start.sampler, scratch);
+            add(start, eye.rays[index].time, &seen, scratch.attributes());
+        }
+        Ok(())
     }
 
     /// How far what was hit moves across the film while the shutter is open, to first order, in pixels.

@@ -32,14 +32,6 @@ pub enum RenderError {
     /// The device failed.
     #[error(transparent)]
     Device(#[from] TraceError),
-    /// The device cannot render with this integrator.
-    #[error("device {device} cannot render with integrator {integrator} yet")]
-    Integrator {
-        /// The device.
-        device: &'static str,
-        /// The integrator.
-        integrator: &'static str,
-    },
     /// Somebody asked to stop.
     #[error("the rendering was cancelled")]
     Cancelled,

@@ -10,7 +10,7 @@ mod progress;
 mod settings;
 mod state;
 
-pub use cpu::{CpuBackend, DeviceBackend, renders_on_device};
+pub use cpu::{CpuBackend, DeviceBackend};
 pub use error::RenderError;
 pub use progress::Progress;
 pub use settings::{RenderSettings, RenderStats};

@@ -13,7 +13,7 @@ use crate::job::load::{self, LoadedFrame, ReadFrame};
 use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::progress::Reporter;
 use meniscus::accel::Engine;
-use meniscus::frame::Light;
+use meniscus::frame::{Frame, Light};
 use meniscus::intersect::Counters;
 use meniscus::math::DVec3;
 use meniscus::scene::Scene;
@@ -33,6 +33,8 @@ struct BenchReport {
     repeats: u32,
     particles: usize,
     build_secs: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    on_card: Option<CardFigures>,
     structure_bytes: usize,
     bytes_per_particle: f64,
     primary: PassFigures,
@@ -44,6 +46,52 @@ struct BenchReport {
     blob_evaluations_per_ray: f64,
     #[serde(flatten)]
     clipping: Option<ClippingFigures>,
+}
+
+/// A card's structure: bytes there, and medians in seconds. Own times are those of the card's clock, for what it builds;
+/// the others include the way there.
+#[derive(Debug, Serialize)]
+struct CardFigures {
+    bytes: u64,
+    send_secs: f64,
+    own_build_secs: f64,
+    update_secs: f64,
+    own_update_secs: f64,
+}
+
+impl CardFigures {
+    /// Sends `frame` again and again, and lets it follow itself.
+    fn measure(
+        tracing: &mut Tracing<'_>,
+        (send_secs, again): (f64, impl Fn() -> Outcome<(f64, Option<f64>)>),
+        frame: &Frame,
+        repeats: u32,
+    ) -> Outcome<Option<Self>> {
+        let Some(own) = tracing.build_secs() else {
+            return Ok(None);
+        };
+        let (mut sends, mut builds) = (vec![send_secs], vec![own]);
+        let (mut updates, mut refits) = (Vec::new(), Vec::new());
+        for repeat in 0..repeats {
+            interrupt::check()?;
+            if repeat > 0 {
+                let (secs, own) = again()?;
+                sends.push(secs);
+                builds.extend(own);
+            }
+            if let Some([secs, own]) = tracing.update(frame)? {
+                updates.push(secs);
+                refits.push(own);
+            }
+        }
+        Ok(Some(Self {
+            bytes: tracing.bytes(),
+            send_secs: passes::median(&mut sends),
+            own_build_secs: passes::median(&mut builds),
+            update_secs: passes::median(&mut updates),
+            own_update_secs: passes::median(&mut refits),
+        }))
+    }
 }
 
 /// What engine `sweep` adds, per primary ray or polynomial.
@@ -133,8 +181,14 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         _ => None,
     });
     let start = Instant::now();
-    let tracing = Tracing::of(engine.device.as_ref(), frame, &reporter)?;
+    let mut tracing = Tracing::of(engine.device.as_ref(), frame, &reporter)?;
     let upload_secs = start.elapsed().as_secs_f64();
+    let send = || {
+        let start = Instant::now();
+        let sent = Tracing::of(engine.device.as_ref(), frame, &silent)?;
+        Ok((start.elapsed().as_secs_f64(), sent.build_secs()))
+    };
+    let on_card = CardFigures::measure(&mut tracing, (upload_secs, send), frame, args.repeats)?;
     reporter.stage("trace");
     let bench = Bench {
         frame,
@@ -159,6 +213,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         repeats: args.repeats,
         particles,
         build_secs: passes::median(&mut build_secs) + refinement_secs + upload_secs,
+        on_card,
         structure_bytes,
         bytes_per_particle: structure_bytes as f64 / particles.max(1) as f64,
         primary: measured.primary,
@@ -199,6 +254,15 @@ fn table(report: &BenchReport) -> String {
         "best",
         "hits",
     );
+    if let Some(card) = &report.on_card {
+        text += &format!(
+            "sent to the card in {:.2} ms (built there in {:.2} ms), followed in {:.2} ms ({:.2} ms)\n",
+            card.send_secs * 1e3,
+            card.own_build_secs * 1e3,
+            card.update_secs * 1e3,
+            card.own_update_secs * 1e3,
+        );
+    }
     for (name, pass) in [
         ("primary", &report.primary),
         ("shadow", &report.shadow),

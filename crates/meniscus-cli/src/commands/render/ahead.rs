@@ -5,6 +5,7 @@ use super::join::Joiner;
 use super::plan::{self, Job};
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
+use crate::job::device::Tracing;
 use crate::job::engine::EngineChoice;
 use crate::job::load::{self, LoadedFrame, ReadFrame};
 use crate::job::output::Target;
@@ -12,25 +13,28 @@ use crate::job::watch::Watch;
 use crate::progress::Reporter;
 use meniscus::scene::Scene;
 use std::sync::{Arc, mpsc};
+use std::time::Instant;
 
 /// A picture's turn.
-pub(super) struct Step {
+pub(super) struct Step<'a> {
     /// The picture.
     pub job: Job,
     /// What it is rendered from; `None` for one that is there already.
-    pub ready: Option<Ready>,
+    pub ready: Option<Ready<'a>>,
 }
 
 /// A frame that is ready to render.
 #[derive(Clone)]
-pub(super) struct Ready {
+pub(super) struct Ready<'a> {
     /// The scene, everything applied.
     pub scene: Arc<Scene>,
     /// The frame.
     pub loaded: Arc<LoadedFrame>,
+    /// What traces it, if it is there already.
+    pub tracing: Option<Arc<Tracing<'a>>>,
     /// Reading and decoding its files; 0 where it was read for the picture before.
     pub read_secs: f64,
-    /// Building it; 0 where it was built for the picture before.
+    /// Building it, and sending it to a card; 0 where it was built for the picture before.
     pub build_secs: f64,
 }
 
@@ -62,12 +66,12 @@ pub(super) struct Loader<'a> {
     /// How to trace.
     pub engine: &'a EngineChoice,
     /// The frame of the last picture, where the next one shows the same.
-    pub last: Option<Ready>,
+    pub last: Option<Ready<'a>>,
 }
 
-impl Loader<'_> {
+impl<'a> Loader<'a> {
     /// The next picture; `None` after the last.
-    fn next(&mut self, reporter: &Reporter) -> Outcome<Option<Step>> {
+    fn next(&mut self, reporter: &Reporter) -> Outcome<Option<Step<'a>>> {
         loop {
             interrupt::check()?;
             let Some(job) = self.next_job(reporter)? else {
@@ -138,7 +142,7 @@ impl Loader<'_> {
         }
     }
 
-    fn build(&mut self, job: &Job, read: ReadFrame, reporter: &Reporter) -> Outcome<Ready> {
+    fn build(&mut self, job: &Job, read: ReadFrame, reporter: &Reporter) -> Outcome<Ready<'a>> {
         let input = &job.input;
         let scene = match &mut self.fixed {
             Some(fixed) => fixed.scene(input, self.engine, reporter)?,
@@ -146,10 +150,14 @@ impl Loader<'_> {
         };
         reporter.stage("build");
         let loaded = load::build(input, &scene, &read.files, self.aov, self.engine, reporter)?;
+        let start = Instant::now();
+        // The frame before may still be rendered: a card has two in its memory then.
+        let tracing = Tracing::ahead(self.engine.device.as_ref(), &loaded.frame);
         Ok(Ready {
             scene: Arc::new(scene),
             read_secs: read.read_secs,
-            build_secs: loaded.build_secs,
+            build_secs: loaded.build_secs + start.elapsed().as_secs_f64(),
+            tracing: tracing.map(Arc::new),
             loaded: Arc::new(loaded),
         })
     }
@@ -158,10 +166,10 @@ impl Loader<'_> {
 /// Gives every picture to `handle` in order. While it is being handled the next one is prepared, and
 /// no more than that one: two frames are in memory at most. What goes wrong with a picture is reported
 /// when it is its turn.
-pub(super) fn for_each(
-    mut loader: Loader<'_>,
+pub(super) fn for_each<'a>(
+    mut loader: Loader<'a>,
     reporter: &Reporter,
-    mut handle: impl FnMut(Step) -> Outcome,
+    mut handle: impl FnMut(Step<'a>) -> Outcome,
 ) -> Outcome {
     let Some(first) = loader.next(reporter)? else {
         return Ok(());

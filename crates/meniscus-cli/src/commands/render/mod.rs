@@ -12,7 +12,7 @@ mod plan;
 use crate::args::render::RenderArgs;
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
-use crate::job::engine::{EngineChoice, undoable};
+use crate::job::engine::EngineChoice;
 use crate::job::files;
 use crate::job::input;
 use crate::job::output::{PictureFormat, Target};
@@ -73,16 +73,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
         }
         Target::Film(_) | Target::Picture(_) | Target::Pattern(_) => None,
     };
-    let kinds = jobs
-        .iter()
-        .flatten()
-        .map(|job| job.input.scene.integrator.kind);
-    let undoable = match args.watch {
-        // What will come is not known yet.
-        true => Some("--watch".to_owned()),
-        false => kinds.map(undoable).find(Option::is_some).flatten(),
-    };
-    let engine = engine.on_device(undoable.as_deref(), &reporter)?;
+    let engine = engine.on_device(None, &reporter)?;
     reporter.start(jobs.as_ref().map_or(0, Vec::len));
     let mut production = Production {
         options: &options,
@@ -151,7 +142,7 @@ struct Production<'a> {
 
 impl Production<'_> {
     /// Renders and writes a picture, unless it is there already, and hands it to the film.
-    fn take(&mut self, Step { job, ready }: Step) -> Outcome {
+    fn take(&mut self, Step { job, ready }: Step<'_>) -> Outcome {
         interrupt::check()?;
         let index = self.index;
         self.index += 1;

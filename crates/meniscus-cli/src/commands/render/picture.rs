@@ -25,7 +25,7 @@ use std::time::Instant;
 /// What one picture is made from.
 pub(crate) struct FrameWork<'a> {
     /// The frame and its scene.
-    pub ready: &'a Ready,
+    pub ready: &'a Ready<'a>,
     /// Where the picture goes.
     pub output: &'a Path,
     /// About the file.
@@ -144,13 +144,16 @@ impl FrameWork<'_> {
         };
         reporter.stage("render");
         let start = Instant::now();
-        let tracing = Tracing::of(self.engine.device.as_ref(), frame, reporter)?;
+        let tracing = match &self.ready.tracing {
+            Some(tracing) => Arc::clone(tracing),
+            None => Arc::new(Tracing::of(self.engine.device.as_ref(), frame, reporter)?),
+        };
         let upload_secs = start.elapsed().as_secs_f64();
         let advance = |done, total| reporter.advance(done, total);
         let progress = Progress::none()
             .with_cancel(&interrupt::CANCELLED)
             .with_callback(&advance);
-        let rendered = match &tracing {
+        let rendered = match &*tracing {
             Tracing::Cpu => CpuBackend.render(frame, camera, &settings, self.state, &progress),
             Tracing::Gpu(tracer) => DeviceBackend {
                 name: "gpu",

@@ -26,8 +26,7 @@ const IN_DOUBT: u32 = 2u;
 // More blobs overlap than the list has room for.
 const NO_ROOM: u32 = 3u;
 
-// A ray that takes more stretches than this would hold up all others, and llvmpipe ends any loop after
-// 65535 rounds.
+// A ray that takes more stretches than this would hold up all others.
 const MOST_STRETCHES: u32 = 4096u;
 // After so many stretches in a row without a crossing, each is twice as long as the one before, as long
 // as few blobs are met: a large blob among small ones would be walked through in their steps.
@@ -341,6 +340,19 @@ fn trace(wants_any: bool) -> HitRecord {
     return nothing(IN_DOUBT);
 }
 
+// llvmpipe lets all loops of an invocation together run 65535 rounds, then leaves each after its first:
+// sums lack parts, and nothing says so. A loop whose rounds are known does.
+fn if_whole(record: HitRecord) -> HitRecord {
+    var rounds = 0u;
+    for (var i = 0u; i < params.capacity; i++) {
+        rounds++;
+    }
+    if rounds != params.capacity {
+        return nothing(IN_DOUBT);
+    }
+    return record;
+}
+
 fn number_of(group: vec3u, groups: vec3u, lane: u32) -> u32 {
     return (group.y * groups.x + group.x) * WORKGROUP + lane;
 }
@@ -355,7 +367,7 @@ fn closest(
     if index < params.rays {
         ray = rays[index];
         first_met = (index - lane) * params.capacity + lane;
-        hits[index] = trace(false);
+        hits[index] = if_whole(trace(false));
     }
 }
 
@@ -369,6 +381,6 @@ fn occluded(
     if index < params.rays {
         ray = rays[index];
         first_met = (index - lane) * params.capacity + lane;
-        hits[index] = trace(true);
+        hits[index] = if_whole(trace(true));
     }
 }

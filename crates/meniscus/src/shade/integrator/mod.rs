@@ -6,6 +6,7 @@ mod path;
 mod shaded;
 mod whitted;
 
+use super::asking::{Ask, AtOnce, Desk, run};
 use super::gloss::Gloss;
 use super::medium::MediumStack;
 use super::rays::{EyeRays, Seen, ShadeScratch};
@@ -16,6 +17,11 @@ use crate::math::sampling::PixelSampler;
 use crate::scene::{Background, IntegratorKind, IntegratorSettings};
 use ambient::Ambient;
 use glam::{DVec3, Vec3};
+use std::task::{Context, Poll, Waker};
+
+/// Samples that are under way at a time where rays are traced many at a time: as many rays as keep a
+/// device busy, and records of a few KiB each.
+const UNDER_WAY: usize = 1 << 14;
 
 /// How a frame is shaded.
 #[derive(Debug, Clone)]
@@ -144,16 +150,71 @@ impl<'a> Shader<'a> {
         sampler: &mut PixelSampler,
         scratch: &mut ShadeScratch,
     ) -> Seen {
+        let ask = AtOnce::new(self.world.frame, scratch);
+        ask.scratch().attributes.time_secs = eye.rays[index].time;
+        run(self.sample_by(&ask, eye, index, sampler))
+    }
+
+    /// What rays of `eye` see, each with the random numbers of its sample; [`Shader::find_first`] has
+    /// run. All rays that become known together are traced together, by `tracer`; `visit` is called with
+    /// the ray's index, what it saw, and all attributes there ([`ShadeScratch::attributes`]).
+    ///
+    /// # Errors
+    /// Those of `tracer`.
+    ///
+    /// # Panics
+    /// If `eye` has no such ray.
+    pub fn sample_many<T: BlobTracer + ?Sized>(
+        &self,
+        tracer: &T,
+        eye: &EyeRays,
+        samples: impl Iterator<Item = (usize, PixelSampler)>,
+        scratch: &mut ShadeScratch,
+        mut visit: impl FnMut(usize, &Seen, &[f32]),
+    ) -> Result<(), T::Error> {
+        let desk = &Desk::new(self.world.frame, scratch);
+        let mut context = Context::from_waker(Waker::noop());
+        let mut samples = samples.map(|(index, mut sampler)| {
+            let work = async move { self.sample_by(desk, eye, index, &mut sampler).await };
+            (index, Box::pin(work))
+        });
+        let mut under_way = Vec::with_capacity(UNDER_WAY);
+        loop {
+            let room = UNDER_WAY - under_way.len();
+            under_way.extend(samples.by_ref().take(room));
+            if under_way.is_empty() {
+                return Ok(());
+            }
+            under_way.retain_mut(|(index, work)| {
+                desk.scratch().attributes.time_secs = eye.rays[*index].time;
+                match work.as_mut().poll(&mut context) {
+                    Poll::Pending => true,
+                    Poll::Ready(seen) => {
+                        visit(*index, &seen, desk.scratch().attributes());
+                        false
+                    }
+                }
+            });
+            desk.answer(tracer)?;
+        }
+    }
+
+    async fn sample_by(
+        &self,
+        ask: &impl Ask,
+        eye: &EyeRays,
+        index: usize,
+        sampler: &mut PixelSampler,
+    ) -> Seen {
         let (ray, first) = (&eye.rays[index], eye.hits[index]);
-        scratch.rays.primary += 1;
-        scratch.attributes.all.clear();
-        scratch.attributes.time_secs = ray.time;
+        ask.scratch().rays.primary += 1;
         let gathered = match self.settings.integrator.kind {
-            IntegratorKind::Shaded => self.shaded(eye, index, scratch),
-            IntegratorKind::Whitted => self.whitted(ray, first, scratch),
-            IntegratorKind::Ao => self.ambient_occlusion(ray, first, sampler, scratch),
-            IntegratorKind::Path => self.path(ray, first, sampler, scratch),
+            IntegratorKind::Shaded => self.shaded(eye, index, &mut ask.scratch()),
+            IntegratorKind::Whitted => self.whitted(ray, first, ask).await,
+            IntegratorKind::Ao => self.ambient_occlusion(ray, first, sampler, ask).await,
+            IntegratorKind::Path => self.path(ray, first, sampler, ask).await,
         };
+        ask.scratch().attributes.all.clear();
         let Some((hit, color)) = gathered.first else {
             return Seen {
                 radiance: gathered.radiance.to_array(),
@@ -165,7 +226,7 @@ impl<'a> Shader<'a> {
                 row: None,
             };
         };
-        self.world.fill_attributes(&hit, scratch);
+        self.world.fill_attributes(&hit, &mut ask.scratch());
         let opacity = self.world.opacity(&hit);
         let radiance = match self.settings.background {
             // A file without background keeps the whole ground for whoever composes it.

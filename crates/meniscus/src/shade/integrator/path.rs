@@ -8,6 +8,7 @@ use crate::math::ray::Ray;
 use crate::math::sampling::PixelSampler;
 use crate::scene::Background;
 use crate::shade::ShadeScratch;
+use crate::shade::asking::Ask;
 use crate::shade::bsdf::{BsdfSample, Scattering, Sheet};
 use crate::shade::interaction::Interaction;
 use crate::shade::light::Found;
@@ -81,12 +82,12 @@ fn power_heuristic(density: f64, other: f64) -> f32 {
 }
 
 impl Shader<'_> {
-    pub(super) fn path(
+    pub(super) async fn path(
         &self,
         ray: &Ray,
         first: Option<Hit>,
         sampler: &mut PixelSampler,
-        scratch: &mut ShadeScratch,
+        ask: &impl Ask,
     ) -> Gathered {
         let world = &self.world;
         let mut path = Path {
@@ -107,18 +108,19 @@ impl Shader<'_> {
         let mut is_covered = false;
         let mut false_boundaries = 0;
         loop {
-            let hit = known
-                .take()
-                .unwrap_or_else(|| world.frame.closest_hit(&path.ray, &mut scratch.trace));
+            let hit = match known.take() {
+                Some(hit) => hit,
+                None => ask.closest(&path.ray).await,
+            };
             let end = hit.map_or(f64::INFINITY, |hit| hit.t);
             if let Some((t, found)) = world.lights.met(path.ray.origin, path.ray.direction, end) {
-                let left = world.absorbed(&path.ray, t, &path.media, scratch);
+                let left = world.absorbed(&path.ray, t, &path.media, &mut ask.scratch());
                 path.throughput *= left;
                 self.add_found(&mut path, found);
                 is_covered = true;
                 break;
             }
-            path.throughput *= world.absorbed(&path.ray, end, &path.media, scratch);
+            path.throughput *= world.absorbed(&path.ray, end, &path.media, &mut ask.scratch());
             let Some(hit) = hit else {
                 self.add_escaped(&mut path);
                 break;
@@ -129,13 +131,19 @@ impl Shader<'_> {
             } else {
                 0.0
             };
-            let found = world.interaction(&path.ray, hit, &path.media, least_roughness, scratch);
+            let found = world.interaction(
+                &path.ray,
+                hit,
+                &path.media,
+                least_roughness,
+                &mut ask.scratch(),
+            );
             let Some(point) = found else {
                 false_boundaries += 1;
                 if false_boundaries > MAX_FALSE_BOUNDARIES {
                     break;
                 }
-                let onward = world.onward(&path.ray, hit, &path.media, scratch);
+                let onward = world.onward(&path.ray, hit, &path.media, &mut ask.scratch());
                 (path.ray, path.media) = (onward.ray, onward.media);
                 continue;
             };
@@ -159,11 +167,13 @@ impl Shader<'_> {
                 first: 1 + (path.surfaces + path.sheets) * DRAWS,
             };
             let goes_on = match sheet {
-                Some(sheet) => self.meet_sheet(&mut path, sheet, &point, &mut draws, scratch),
+                Some(sheet) => {
+                    self.meet_sheet(&mut path, sheet, &point, &mut draws, &mut ask.scratch())
+                }
                 None => {
                     path.surfaces += 1;
-                    self.add_direct(&mut path, &point, &mut draws, scratch);
-                    self.scatter(&mut path, &point, &mut draws, scratch)
+                    self.add_direct(&mut path, &point, &mut draws, ask).await;
+                    self.scatter(&mut path, &point, &mut draws, &mut ask.scratch())
                 }
             };
             if !goes_on {
@@ -240,12 +250,12 @@ impl Shader<'_> {
     }
 
     /// Next-event estimation: light that comes straight from a drawn light.
-    fn add_direct(
+    async fn add_direct(
         &self,
         path: &mut Path,
         point: &Interaction<'_>,
         draws: &mut Draws<'_>,
-        scratch: &mut ShadeScratch,
+        ask: &impl Ask,
     ) {
         let world = &self.world;
         if !point.bsdf.is_spread() {
@@ -273,7 +283,7 @@ impl Shader<'_> {
             point.beyond
         };
         let straight = !self.settings.integrator.caustics && world.lights.is_drawn(emitter);
-        let reach = world.reach(ray, light.distance, media, straight, scratch);
+        let reach = world.reach(ray, light.distance, media, straight, ask).await;
         if reach.part == Vec3::ZERO {
             return;
         }

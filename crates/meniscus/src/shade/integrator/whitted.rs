@@ -6,7 +6,7 @@ use super::{Gathered, Shader};
 use crate::intersect::Hit;
 use crate::math::ray::Ray;
 use crate::scene::MaterialKind;
-use crate::shade::ShadeScratch;
+use crate::shade::asking::Ask;
 use crate::shade::bsdf::{Bsdf, Scattering, Sheet, dielectric_reflectance};
 use crate::shade::interaction::Interaction;
 use crate::shade::medium::MediumStack;
@@ -26,14 +26,19 @@ struct Seen {
     is_covered: bool,
 }
 
+/// Where a branch of the tree meets a surface.
+struct Branch<'a> {
+    ray: &'a Ray,
+    media: &'a MediumStack,
+    /// How often it was turned.
+    level: u32,
+    /// How much it counts in the picture.
+    weight: f32,
+}
+
 impl Shader<'_> {
-    pub(super) fn whitted(
-        &self,
-        ray: &Ray,
-        first: Option<Hit>,
-        scratch: &mut ShadeScratch,
-    ) -> Gathered {
-        let seen = self.branch(*ray, first, self.media, 0, 1.0, scratch);
+    pub(super) async fn whitted(&self, ray: &Ray, first: Option<Hit>, ask: &impl Ask) -> Gathered {
+        let seen = self.branch(*ray, first, self.media, 0, 1.0, ask).await;
         Gathered {
             radiance: seen.light,
             first: seen.first,
@@ -43,14 +48,14 @@ impl Shader<'_> {
 
     /// Light along `ray`, whose first surface is `hit`, which counts with `weight` in the picture and
     /// was turned `level` times.
-    fn branch(
+    async fn branch(
         &self,
         mut ray: Ray,
         mut hit: Option<Hit>,
         mut media: MediumStack,
         level: u32,
         weight: f32,
-        scratch: &mut ShadeScratch,
+        ask: &impl Ask,
     ) -> Seen {
         let world = &self.world;
         // What is seen on thin sheets, and what is left of the light behind them.
@@ -59,7 +64,7 @@ impl Shader<'_> {
         for _ in 0..MAX_STRAIGHT {
             let end = hit.map_or(f64::INFINITY, |hit| hit.t);
             if let Some((t, found)) = world.lights.met(ray.origin, ray.direction, end) {
-                left *= world.absorbed(&ray, t, &media, scratch);
+                left *= world.absorbed(&ray, t, &media, &mut ask.scratch());
                 let scale = world.emission_scale(&media);
                 return Seen {
                     light: sum + left * found.radiance * scale,
@@ -67,7 +72,7 @@ impl Shader<'_> {
                     is_covered: true,
                 };
             }
-            left *= world.absorbed(&ray, end, &media, scratch);
+            left *= world.absorbed(&ray, end, &media, &mut ask.scratch());
             let Some(met) = hit else {
                 let behind = if level == 0 && first.is_none() {
                     world.behind(ray.direction)
@@ -80,10 +85,17 @@ impl Shader<'_> {
                     first,
                 };
             };
-            match world.interaction(&ray, met, &media, 0.0, scratch) {
+            let point = world.interaction(&ray, met, &media, 0.0, &mut ask.scratch());
+            match point {
                 Some(point) => {
                     let met = point.hit;
-                    let mut light = self.turned(&ray, &point, &media, level, weight, scratch);
+                    let branch = Branch {
+                        ray: &ray,
+                        media: &media,
+                        level,
+                        weight,
+                    };
+                    let mut light = self.turned(&branch, &point, ask).await;
                     let opacity = world.opacity(&met);
                     if level > 0 && opacity < 1.0 {
                         let behind = world.surroundings_or_backdrop(ray.direction);
@@ -100,15 +112,15 @@ impl Shader<'_> {
                             is_covered: true,
                         };
                     }
-                    count(&mut scratch.rays, Scattering::Refraction);
+                    count(&mut ask.scratch().rays, Scattering::Refraction);
                     ray = passed(&ray, &met);
                 }
                 None => {
-                    let onward = world.onward(&ray, met, &media, scratch);
+                    let onward = world.onward(&ray, met, &media, &mut ask.scratch());
                     (ray, media) = (onward.ray, onward.media);
                 }
             }
-            hit = world.frame.closest_hit(&ray, &mut scratch.trace);
+            hit = ask.closest(&ray).await;
         }
         Seen {
             light: sum,
@@ -118,51 +130,18 @@ impl Shader<'_> {
     }
 
     /// Light from a surface towards the viewer.
-    fn turned(
-        &self,
-        ray: &Ray,
-        point: &Interaction<'_>,
-        media: &MediumStack,
-        level: u32,
-        weight: f32,
-        scratch: &mut ShadeScratch,
-    ) -> Vec3 {
+    async fn turned(&self, branch: &Branch<'_>, point: &Interaction<'_>, ask: &impl Ask) -> Vec3 {
         let world = &self.world;
-        let mut light = self.direct(ray, point, media, scratch);
+        let media = branch.media;
+        let mut light = self.direct(branch.ray, point, media, ask).await;
         let cosine = point.view.z;
         let mirror = DVec3::new(-point.view.x, -point.view.y, cosine);
-        let mut follow = |local: DVec3, part: Vec3, scattering: Scattering| -> Vec3 {
-            let weight = weight * part.max_element();
-            if weight < LEAST_WEIGHT {
-                return Vec3::ZERO;
-            }
-            if level + 1 >= self.settings.integrator.depth {
-                // A mirror in the open shows what it would if nothing were in its way, rather than black.
-                let in_the_open = local.z > 0.0 && media.filling(world.frame).is_none();
-                return if in_the_open {
-                    part * world.surroundings_or_backdrop(point.to_world(local))
-                } else {
-                    Vec3::ZERO
-                };
-            }
-            let on_viewers_side = local.z > 0.0;
-            let direction = point.to_world(local);
-            if !point.agrees(direction, on_viewers_side) {
-                return Vec3::ZERO;
-            }
-            let ray = point.leaving(direction, on_viewers_side, ray.time);
-            let media = if on_viewers_side {
-                *media
-            } else {
-                point.beyond
-            };
-            count(&mut scratch.rays, scattering);
-            let hit = world.frame.closest_hit(&ray, &mut scratch.trace);
-            let seen = self.branch(ray, hit, media, level + 1, weight, scratch);
-            part * seen.light
+        let follow = async |local: DVec3, part: Vec3, scattering: Scattering| -> Vec3 {
+            self.follow(branch, point, (local, part, scattering), ask)
+                .await
         };
         if let Some(sheet) = point.bsdf.sheet() {
-            return light + follow(mirror, sheet.reflected(), Scattering::Reflection);
+            return light + follow(mirror, sheet.reflected(), Scattering::Reflection).await;
         }
         let (material, _) = world.material(point.hit.surface);
         match material.kind {
@@ -175,12 +154,12 @@ impl Shader<'_> {
                 };
                 let coat = plastic.coat_reflectance(cosine) as f32;
                 light += point.color * self.ambient.diffuse(point.normal()) * (1.0 - coat);
-                light += follow(mirror, Vec3::splat(coat), Scattering::Reflection);
+                light += follow(mirror, Vec3::splat(coat), Scattering::Reflection).await;
             }
             MaterialKind::Metal | MaterialKind::Mirror => {
                 if let Bsdf::Conductor(conductor) = &point.bsdf {
                     let part = conductor.facet_reflectance(cosine);
-                    light += follow(mirror, part, Scattering::Reflection);
+                    light += follow(mirror, part, Scattering::Reflection).await;
                 }
             }
             MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water => {
@@ -188,23 +167,64 @@ impl Shader<'_> {
                 let eta = ior / beyond;
                 let (reflectance, other) = dielectric_reflectance(cosine, eta);
                 let part = Vec3::splat(reflectance as f32);
-                light += follow(mirror, part, Scattering::Reflection);
+                light += follow(mirror, part, Scattering::Reflection).await;
                 if let Some(other) = other {
                     let refracted = DVec3::new(-eta * point.view.x, -eta * point.view.y, -other);
-                    light += follow(refracted, Vec3::ONE - part, Scattering::Refraction);
+                    light += follow(refracted, Vec3::ONE - part, Scattering::Refraction).await;
                 }
             }
         }
         light
     }
 
+    /// Light from a mirrored or refracted direction, of which `part` arrives.
+    async fn follow(
+        &self,
+        branch: &Branch<'_>,
+        point: &Interaction<'_>,
+        (local, part, scattering): (DVec3, Vec3, Scattering),
+        ask: &impl Ask,
+    ) -> Vec3 {
+        let world = &self.world;
+        let media = branch.media;
+        let weight = branch.weight * part.max_element();
+        if weight < LEAST_WEIGHT {
+            return Vec3::ZERO;
+        }
+        let on_viewers_side = local.z > 0.0;
+        let level = branch.level + 1;
+        if level >= self.settings.integrator.depth {
+            // A mirror in the open shows what it would if nothing were in its way, rather than black.
+            let in_the_open = on_viewers_side && media.filling(world.frame).is_none();
+            return if in_the_open {
+                part * world.surroundings_or_backdrop(point.to_world(local))
+            } else {
+                Vec3::ZERO
+            };
+        }
+        let direction = point.to_world(local);
+        if !point.agrees(direction, on_viewers_side) {
+            return Vec3::ZERO;
+        }
+        let ray = point.leaving(direction, on_viewers_side, branch.ray.time);
+        let media = if on_viewers_side {
+            *media
+        } else {
+            point.beyond
+        };
+        count(&mut ask.scratch().rays, scattering);
+        let hit = ask.closest(&ray).await;
+        let seen = Box::pin(self.branch(ray, hit, media, level, weight, ask)).await;
+        part * seen.light
+    }
+
     /// Light of lamps, each as one direction.
-    fn direct(
+    async fn direct(
         &self,
         ray: &Ray,
         point: &Interaction<'_>,
         media: &MediumStack,
-        scratch: &mut ShadeScratch,
+        ask: &impl Ask,
     ) -> Vec3 {
         if !point.bsdf.is_spread() {
             return Vec3::ZERO;
@@ -228,7 +248,8 @@ impl Shader<'_> {
             let shadow = point.leaving(light.towards, on_viewers_side, ray.time);
             let reach = self
                 .world
-                .reach(shadow, light.distance, media, true, scratch);
+                .reach(shadow, light.distance, media, true, ask)
+                .await;
             sum += scattered * light.weight * reach.part;
         }
         sum

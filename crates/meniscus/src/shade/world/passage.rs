@@ -3,6 +3,7 @@
 use super::{Contact, World, passed, viewed_normal};
 use crate::intersect::Hit;
 use crate::math::ray::Ray;
+use crate::shade::asking::Ask;
 use crate::shade::bsdf::{Sheet, dielectric_reflectance};
 use crate::shade::medium::MediumStack;
 use crate::shade::rays::ShadeScratch;
@@ -102,25 +103,25 @@ impl World<'_> {
     /// How much of the light from `distance` along `ray` arrives. Boundaries of clear media stop it;
     /// or, if `straight`, they let through what they do not reflect, without bending it. Thin sheets
     /// bend nothing: they never stop it.
-    pub(in crate::shade) fn reach(
+    pub(in crate::shade) async fn reach(
         &self,
         mut ray: Ray,
         mut distance: f64,
         mut media: MediumStack,
         straight: bool,
-        scratch: &mut ShadeScratch,
+        ask: &impl Ask,
     ) -> Reach {
-        scratch.rays.shadow += 1;
+        ask.scratch().rays.shadow += 1;
         // One clear surface alone has no boundaries that are none.
         let walks = self.has_sheets || self.medium_count > 1 || straight && self.medium_count > 0;
         if !walks {
             ray.t_max = distance;
-            if self.frame.any_hit(&ray, &mut scratch.trace) {
+            if ask.is_blocked(&ray).await {
                 return Reach::NOTHING;
             }
             let emission = self.emission_scale(&media);
             return Reach {
-                part: self.absorbed(&ray, distance, &media, scratch) * emission,
+                part: self.absorbed(&ray, distance, &media, &mut ask.scratch()) * emission,
                 went_through: false,
             };
         }
@@ -130,13 +131,13 @@ impl World<'_> {
         };
         for _ in 0..MAX_CROSSINGS {
             ray.t_max = distance;
-            let Some(hit) = self.frame.closest_hit(&ray, &mut scratch.trace) else {
-                let left = self.absorbed(&ray, distance, &media, scratch);
+            let Some(hit) = ask.closest(&ray).await else {
+                let left = self.absorbed(&ray, distance, &media, &mut ask.scratch());
                 reach.part *= left * self.emission_scale(&media);
                 return reach;
             };
-            reach.part *= self.absorbed(&ray, hit.t, &media, scratch);
-            let contact = self.contact(&ray, hit, &media, scratch);
+            reach.part *= self.absorbed(&ray, hit.t, &media, &mut ask.scratch());
+            let contact = self.contact(&ray, hit, &media, &mut ask.scratch());
             let Contact { hit, beyond, .. } = contact;
             if !contact.is_boundary {
                 let onward = contact.onward(&ray);
@@ -149,7 +150,9 @@ impl World<'_> {
                 return Reach::NOTHING;
             }
             if material.thin {
-                reach.part *= self.sheet(&ray, &hit, &media, scratch).transmitted();
+                reach.part *= self
+                    .sheet(&ray, &hit, &media, &mut ask.scratch())
+                    .transmitted();
             } else {
                 if !straight {
                     return Reach::NOTHING;
