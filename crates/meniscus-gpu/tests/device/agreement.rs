@@ -188,13 +188,13 @@ fn long_ways_inside() {
     let Some(device) = device("long_ways_inside") else {
         return;
     };
-    let scene = corpus::scene("pool", Kernel::Quartic, 60_000);
+    let scene = corpus::scene("pool", Kernel::Quartic, 40_000);
     let blobs = blobs(scene.field.clone(), Builder::Morton);
     let gpu = Gpu::new(device, &blobs, TracerOptions::default());
     let field = &scene.field;
-    let rays: Vec<Ray> = (0..400)
+    let rays: Vec<Ray> = (0..100)
         .map(|i| {
-            let origin = field.origin + field.center(i * 131 % field.len()).as_dvec3();
+            let origin = field.origin + field.center(i * 397 % field.len()).as_dvec3();
             let angle = 2.4 * i as f64;
             let direction = DVec3::new(angle.cos(), 0.3 * (0.7 * angle).sin(), angle.sin());
             Ray::new(origin, direction.normalize())

@@ -383,7 +383,7 @@ where
         if self.cut.waits {
             let wanted = starts.iter().enumerate();
             let wanted = wanted.filter(|(_, start)| is_wanted(start));
-            let samples = wanted.map(|(index, start)| (index, start.sampler.clone()));
+            let samples = wanted.map(|(index, start)| (index, start.sampler));
             self.shader.sample_many(
                 self.tracer,
                 eye,
