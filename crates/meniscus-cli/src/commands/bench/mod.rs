@@ -126,8 +126,13 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         return Err(Failure::wrong("nothing to measure"));
     };
     let frame = &loaded.frame;
-    let camera = Camera::from_settings(&input.scene.camera, frame.framing_bounds(), args.size.0)
-        .map_err(|error| Failure::wrong(error.to_string()))?;
+    let camera = Camera::from_settings_at(
+        &input.scene.camera,
+        frame.framing_bounds(),
+        args.size.0,
+        input.scene.motion.time,
+    )
+    .map_err(|error| Failure::wrong(error.to_string()))?;
     let towards_light = frame.lights.iter().find_map(|light| match light {
         Light::Sun { towards, .. } => Some(*towards),
         _ => None,

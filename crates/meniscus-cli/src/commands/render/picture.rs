@@ -41,8 +41,13 @@ pub(crate) struct FrameWork<'a> {
 /// The scene's camera; what is open frames the objects.
 pub(crate) fn camera(scene: &Scene, frame: &Frame) -> Outcome<Camera> {
     let size = [scene.film.width, scene.film.height];
-    Camera::from_settings(&scene.camera, frame.framing_bounds(), size)
-        .map_err(|error| Failure::wrong(error.to_string()))
+    Camera::from_settings_at(
+        &scene.camera,
+        frame.framing_bounds(),
+        size,
+        scene.motion.time,
+    )
+    .map_err(|error| Failure::wrong(error.to_string()))
 }
 
 /// Samples that a pixel got on average.

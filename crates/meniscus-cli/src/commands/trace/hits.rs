@@ -315,7 +315,8 @@ fn closest(
         let field = &blobs.field;
         let row = hit.blob.and_then(|blob| field.rows.get(blob as usize));
         id = row.map_or(-1, |&row| i64::from(row));
-        let local = instance.object_from_world.transform_point3(hit.position) - field.origin;
+        let object_from_world = instance.at(ray.time).object_from_world;
+        let local = object_from_world.transform_point3(hit.position) - field.origin;
         for (index, attribute) in field.attributes.iter().enumerate() {
             let mut offset = 0;
             for (name, components) in layout {

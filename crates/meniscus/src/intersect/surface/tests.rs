@@ -6,7 +6,7 @@ use crate::intersect::Scratch;
 use crate::kernel::Kernel;
 use crate::math::ray::Ray;
 use crate::particles::{Column, Particles};
-use crate::scene::{BlobSettings, Scene, Surface, Weights};
+use crate::scene::{BlobSettings, Matrix, PlacementKey, Scene, Surface, Weights};
 use glam::{DAffine3, DQuat};
 
 const SHUTTER: [f64; 2] = [-0.5, 0.5];
@@ -121,7 +121,7 @@ fn hits_of_rays_that_turn_and_wait_change_as_their_derivatives_say() {
         .collect();
     particles.columns.push(Column::new("M", 6, metrics));
     let mut compared = 0;
-    for kernel in [Kernel::Sextic, Kernel::Octic] {
+    for (kernel, moves) in [(Kernel::Sextic, false), (Kernel::Octic, true)] {
         for metric in [None, Some("M".to_owned())] {
             let settings = BlobSettings {
                 kernel,
@@ -139,7 +139,17 @@ fn hits_of_rays_that_turn_and_wait_change_as_their_derivatives_say() {
                 turn,
                 DVec3::new(0.1, 0.2, -0.3),
             );
-            frame.instances[0] = Instance::new(0, placed, 0);
+            let keys = [0.0, 0.5, 1.0].map(|time| PlacementKey {
+                time,
+                matrix: Matrix(DAffine3 {
+                    translation: placed.translation + DVec3::new(time, time * time, 0.0) * 0.5,
+                    matrix3: DMat3::from_rotation_y(0.9 * time) * placed.matrix3,
+                }),
+            });
+            frame.instances[0] = match moves {
+                false => Instance::new(0, placed, 0),
+                true => Instance::moving(0, &keys, 0.5, SHUTTER, 0),
+            };
             for _ in 0..60 {
                 let [eye, target, eye_rate, target_rate]: [DVec3; 4] =
                     vectors(4, 1.0).try_into().unwrap();

@@ -8,7 +8,7 @@ use crate::math::ray::Ray;
 use crate::scene::MaterialKind;
 use crate::shade::ShadeScratch;
 use crate::shade::bsdf::{Bsdf, Scattering, Sheet, dielectric_reflectance};
-use crate::shade::interaction::Interaction;
+use crate::shade::interaction::{Interaction, Turn};
 use crate::shade::medium::MediumStack;
 use crate::shade::world::{count, passed};
 use glam::{DVec3, Vec3};
@@ -33,7 +33,7 @@ impl Shader<'_> {
         first: Option<Hit>,
         scratch: &mut ShadeScratch,
     ) -> Gathered {
-        let seen = self.branch(*ray, first, self.media, 0, 1.0, scratch);
+        let seen = self.branch(*ray, first, self.media(ray), 0, 1.0, scratch);
         Gathered {
             radiance: seen.light,
             first: seen.first,
@@ -131,7 +131,7 @@ impl Shader<'_> {
         let mut light = self.direct(ray, point, media, scratch);
         let cosine = point.view.z;
         let mirror = DVec3::new(-point.view.x, -point.view.y, cosine);
-        let mut follow = |local: DVec3, part: Vec3, scattering: Scattering| -> Vec3 {
+        let mut follow = |local: DVec3, part: Vec3, turn: Turn| -> Vec3 {
             let weight = weight * part.max_element();
             if weight < LEAST_WEIGHT {
                 return Vec3::ZERO;
@@ -150,11 +150,18 @@ impl Shader<'_> {
             if !point.agrees(direction, on_viewers_side) {
                 return Vec3::ZERO;
             }
-            let ray = point.leaving(direction, on_viewers_side, ray.time);
+            let ray = Ray {
+                differential: point.differential(ray, turn),
+                ..point.leaving(direction, on_viewers_side, ray.time)
+            };
             let media = if on_viewers_side {
                 *media
             } else {
                 point.beyond
+            };
+            let scattering = match turn {
+                Turn::Reflection => Scattering::Reflection,
+                Turn::Refraction(_) => Scattering::Refraction,
             };
             count(&mut scratch.rays, scattering);
             let hit = world.frame.closest_hit(&ray, &mut scratch.trace);
@@ -162,7 +169,7 @@ impl Shader<'_> {
             part * seen.light
         };
         if let Some(sheet) = point.bsdf.sheet() {
-            return light + follow(mirror, sheet.reflected(), Scattering::Reflection);
+            return light + follow(mirror, sheet.reflected(), Turn::Reflection);
         }
         let (material, _) = world.material(point.hit.surface);
         match material.kind {
@@ -175,12 +182,12 @@ impl Shader<'_> {
                 };
                 let coat = plastic.coat_reflectance(cosine) as f32;
                 light += point.color * self.ambient.diffuse(point.normal()) * (1.0 - coat);
-                light += follow(mirror, Vec3::splat(coat), Scattering::Reflection);
+                light += follow(mirror, Vec3::splat(coat), Turn::Reflection);
             }
             MaterialKind::Metal | MaterialKind::Mirror => {
                 if let Bsdf::Conductor(conductor) = &point.bsdf {
                     let part = conductor.facet_reflectance(cosine);
-                    light += follow(mirror, part, Scattering::Reflection);
+                    light += follow(mirror, part, Turn::Reflection);
                 }
             }
             MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water => {
@@ -188,10 +195,10 @@ impl Shader<'_> {
                 let eta = ior / beyond;
                 let (reflectance, other) = dielectric_reflectance(cosine, eta);
                 let part = Vec3::splat(reflectance as f32);
-                light += follow(mirror, part, Scattering::Reflection);
+                light += follow(mirror, part, Turn::Reflection);
                 if let Some(other) = other {
                     let refracted = DVec3::new(-eta * point.view.x, -eta * point.view.y, -other);
-                    light += follow(refracted, Vec3::ONE - part, Scattering::Refraction);
+                    light += follow(refracted, Vec3::ONE - part, Turn::Refraction(eta));
                 }
             }
         }
