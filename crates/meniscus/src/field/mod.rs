@@ -6,6 +6,7 @@
 mod anisotropy;
 mod build;
 mod colors;
+mod derivatives;
 mod error;
 mod evaluate;
 mod motion;

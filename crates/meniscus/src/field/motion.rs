@@ -170,4 +170,12 @@ impl<'a> FieldAt<'a> {
             Some(motion) => center + motion.offset(i, self.time_secs),
         }
     }
+
+    /// Velocity of blob `i` at this time, in lengths per second; `None` where nothing moves.
+    #[inline]
+    pub fn blob_velocity(&self, i: usize) -> Option<DVec3> {
+        let motion = self.field.motion.as_ref()?;
+        let [velocity, half_acceleration] = motion.rates(i);
+        Some(velocity + half_acceleration * (2.0 * self.time_secs))
+    }
 }

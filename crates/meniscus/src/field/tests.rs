@@ -1,5 +1,6 @@
 //! The conventions: supports, weights, what is dropped and what is said about it.
 
+mod derivatives;
 mod evaluation;
 mod evil;
 

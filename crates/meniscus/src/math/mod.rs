@@ -2,6 +2,7 @@
 
 pub mod aabb;
 pub mod dual;
+pub mod level_set;
 pub mod morton;
 pub mod number;
 pub mod ray;

@@ -6,7 +6,6 @@ use super::{Backend, Progress, RenderError, RenderSettings, RenderState, RenderS
 use crate::film::{CURVATURE, Film, MOTION, NO_INDEX, PixelSample, Region, SurfaceSample};
 use crate::frame::environment::luminance;
 use crate::frame::{Frame, Geometry};
-use crate::intersect::surface::Curvature;
 use crate::intersect::{BlobTracer, Hit, OnCpu};
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::{PixelFilter, PixelSampler};
@@ -408,9 +407,10 @@ where
     fn surface_sample(&self, seen: &Seen, time_secs: f64) -> Option<SurfaceSample> {
         let hit = seen.hit?;
         let curvature = if self.with_curvature {
-            self.frame.curvature(&hit, time_secs)
+            let level_set = self.frame.level_set(&hit, time_secs);
+            [level_set.mean_curvature(), level_set.gaussian_curvature()]
         } else {
-            Curvature::default()
+            [0.0; 2]
         };
         Some(SurfaceSample {
             depth: self.camera.depth(hit.position) as f32,
@@ -421,7 +421,7 @@ where
             } else {
                 [0.0; 2]
             },
-            curvature: [curvature.mean as f32, curvature.gaussian as f32],
+            curvature: curvature.map(|curvature| curvature as f32),
             id: seen.row.unwrap_or(NO_INDEX),
             surface: hit.surface,
         })
