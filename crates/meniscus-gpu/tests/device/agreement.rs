@@ -175,6 +175,7 @@ fn moving_blobs() {
         scene.field.motion = Some(Motion {
             velocities: (0..count).map(|i| rate(i, 2.4)).collect(),
             half_accelerations: (0..count).map(|i| rate(i, -1.1)).collect(),
+            velocity_gradients: Vec::new(),
             shutter,
         });
         scene.field.search = Search::default();

@@ -32,7 +32,7 @@ impl FieldAt<'_> {
         let mut sum = DVec3::ZERO;
         self.for_each_blob_at(local, |i, y, q| {
             let factor = 2.0 * f64::from(self.field.weights[i]) * self.field.kernel.derivative(q);
-            sum += factor * self.field.shapes.transform_transposed(i, y);
+            sum += factor * self.transform_transposed(i, y);
         });
         sum
     }

@@ -3,6 +3,7 @@
 mod derivatives;
 mod evaluation;
 mod evil;
+mod rates;
 
 use super::{BlobField, FieldBuild, FieldError, MetricOrder, SupportSource};
 use crate::kernel::Kernel;

@@ -22,6 +22,10 @@ fn dual_value(field: &BlobField, local: DVec3, secs: f64) -> Dual<4> {
             }
             point[k] - center
         });
+        let d = match &field.motion {
+            Some(motion) if motion.turns() => turned(&motion.velocity_gradients[i], time, d),
+            Some(_) | None => d,
+        };
         let y = match &field.shapes {
             Shapes::Balls(radii) => {
                 Ball::transform(&[Dual::constant(1.0 / f64::from(radii[i]))], d)
@@ -41,18 +45,39 @@ fn dual_value(field: &BlobField, local: DVec3, secs: f64) -> Dual<4> {
     })
 }
 
-/// The same blobs, thrown in all directions while the shutter is open from −0.5 to 0.5 seconds.
+/// d − tLd + ½t²LLd.
+fn turned(gradient: &[f32; 9], time: Dual<4>, d: [Dual<4>; 3]) -> [Dual<4>; 3] {
+    let moved = |d: [Dual<4>; 3]| {
+        [0, 3, 6].map(|row| {
+            let term = |k: usize| d[k] * Dual::constant(f64::from(gradient[row + k])) * time;
+            term(0) + term(1) + term(2)
+        })
+    };
+    let once = moved(d);
+    let twice = moved(once);
+    [0, 1, 2].map(|k| d[k] + once[k] * -1.0 + twice[k] * 0.5)
+}
+
+fn random_rows<const N: usize>(
+    count: usize,
+    size: f64,
+    next: &mut impl FnMut() -> f64,
+) -> Vec<[f32; N]> {
+    let mut row = || [0; N].map(|_| ((next() - 0.5) * size) as f32);
+    (0..count).map(|_| row()).collect()
+}
+
+/// The same blobs, thrown in all directions while the shutter is open from −0.5 to 0.5 seconds;
+/// ellipsoids turn and stretch.
 fn thrown(field: BlobField) -> BlobField {
     let mut next = random(21);
-    let mut rates = |size: f64| -> Vec<[f32; 3]> {
-        (0..field.len())
-            .map(|_| [0; 3].map(|_| ((next() - 0.5) * size) as f32))
-            .collect()
-    };
+    let count = field.len();
+    let have_axes = matches!(field.shapes, Shapes::Ellipsoids(_));
     BlobField {
         motion: Some(Motion {
-            velocities: rates(0.4),
-            half_accelerations: rates(0.6),
+            velocities: random_rows(count, 0.4, &mut next),
+            half_accelerations: random_rows(count, 0.6, &mut next),
+            velocity_gradients: random_rows(if have_axes { count } else { 0 }, 1.0, &mut next),
             shutter: [-0.5, 0.5],
         }),
         search: Default::default(),
@@ -123,4 +148,38 @@ fn derivatives_are_those_of_the_value_in_space_and_time() {
             assert_derivatives(&field, secs);
         }
     }
+}
+
+#[test]
+fn boxes_hold_supports_that_move_turn_and_stretch() {
+    let mut next = random(22);
+    let mut seen = 0;
+    for field in fields().into_iter().map(thrown) {
+        for i in 0..field.len() {
+            let all = field.support_box(i);
+            let [open, close] = field.support_boxes_at_ends(i);
+            for _ in 0..20 {
+                let phase = next();
+                let at = field.at(phase - 0.5);
+                // A point of the support's border: y is a unit vector.
+                let y = DVec3::from_array([0; 3].map(|_| next() - 0.5)).normalize();
+                let axes = DVec3::AXES.map(|axis| at.transform(i, axis));
+                let from_y = DMat3::from_cols(axes[0], axes[1], axes[2]).inverse();
+                let border = at.center(i) + from_y * y;
+                for axis in 0..3 {
+                    let between =
+                        |a: f32, b: f32| f64::from(a) * (1.0 - phase) + f64::from(b) * phase;
+                    let low = between(open.min[axis], close.min[axis]);
+                    let high = between(open.max[axis], close.max[axis]);
+                    let margin = 1e-6 * (1.0 + border[axis].abs());
+                    let found = border[axis];
+                    assert!(low - margin <= found && found <= high + margin);
+                    assert!(f64::from(all.min[axis]) - margin <= found);
+                    assert!(found <= f64::from(all.max[axis]) + margin);
+                }
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 1000, "{seen}");
 }
