@@ -144,7 +144,6 @@ fn assert_blur(frame: &Frame, camera: &Camera, still: impl Fn(f64) -> (Frame, Ca
     let difference = mean_difference(&blurred[0], &mean);
     let sharp = values(&picture(frame, camera, 64, 3, [0.0; 2]));
     let blur = mean_difference(&sharp, &mean);
-    println!("difference {difference:.2e}, noise {noise:.2e}, blur {blur:.2e}");
     assert!(difference < 2.0 * noise + 1e-4, "{difference} for {noise}");
     assert!(blur > 4.0 * difference, "{blur} for {difference}");
 }

@@ -103,6 +103,5 @@ fn waves_that_turn_within_the_shutter_glitter_less() {
         let four = picture(&frame, kind, 4, filters, shutter);
         error(&four, &reference)
     });
-    println!("moving: error {:.3e} of {:.3e}", errors[1], errors[0]);
     assert!(errors[1] < 0.7 * errors[0], "{errors:?}");
 }
