@@ -54,6 +54,7 @@ pub fn sources(kind: &ShaderKind) -> String {
         motion,
         include_str!("shaders/accel/particles.wgsl"),
         include_str!("shaders/intersect/solve.wgsl"),
+        include_str!("shaders/intersect/hit.wgsl"),
         include_str!("shaders/intersect/particles.wgsl"),
         include_str!("shaders/intersect/stretches.wgsl"),
     ]

@@ -6,6 +6,7 @@
 //! list, which is sorted by distance, with the solver of the tree's shaders. Rays that are not the
 //! camera's own, or that f32 cannot decide, go to the tree over particles.
 
+mod balls;
 mod field;
 mod programs;
 mod room;

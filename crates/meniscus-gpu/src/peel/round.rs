@@ -1,6 +1,7 @@
 //! One round: lists of balls per tile, then surfaces, by either variant.
 
-use super::field::{Balls, PeelWork};
+use super::balls::Balls;
+use super::field::PeelWork;
 use super::programs::{Program, Solve};
 use super::room::{HIT_BYTES, Own, Room};
 use super::slots::Slots;

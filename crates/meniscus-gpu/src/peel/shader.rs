@@ -74,6 +74,7 @@ pub fn peel_sources(kind: &PeelKind, module: PeelModule) -> String {
         PeelModule::Sort => parts.push(include_str!("../shaders/peel/sort.wgsl")),
         PeelModule::Tiled => parts.extend([
             kernel_source(kind.kernel),
+            include_str!("../shaders/intersect/hit.wgsl"),
             include_str!("../shaders/peel/tiled.wgsl"),
             include_str!("../shaders/intersect/solve.wgsl"),
             include_str!("../shaders/intersect/stretches.wgsl"),
@@ -86,6 +87,7 @@ pub fn peel_sources(kind: &PeelKind, module: PeelModule) -> String {
         PeelModule::Slots => parts.extend([
             kernel_source(kind.kernel),
             include_str!("../shaders/peel/state.wgsl"),
+            include_str!("../shaders/intersect/hit.wgsl"),
             include_str!("../shaders/peel/bezier.wgsl"),
             match kind.clipping {
                 Clipping::Own => include_str!("../shaders/peel/own_clipping.wgsl"),

@@ -47,6 +47,18 @@ impl std::ops::AddAssign for StageSecs {
     }
 }
 
+impl std::ops::Div<f64> for StageSecs {
+    type Output = Self;
+
+    fn div(self, by: f64) -> Self {
+        Self {
+            lists: self.lists / by,
+            sprites: self.sprites / by,
+            solve: self.solve / by,
+        }
+    }
+}
+
 /// Passes that can be timed between two readings.
 const PASSES: u32 = 512;
 

@@ -27,7 +27,7 @@ use std::sync::Mutex;
 const VARIANTS: [PeelVariant; 2] = [PeelVariant::Tiles, PeelVariant::Sprites];
 
 /// Pixels of the cameras here.
-const SIZE: [u32; 2] = [52, 44];
+const SIZE: [u32; 2] = [40, 32];
 
 fn switches(peel: PeelVariant, clipping: Clipping) -> EngineSettings {
     EngineSettings {

@@ -3,29 +3,6 @@
 // towards the ray's start, so the list is whole wherever the gathering ends. Where it is full the end
 // moves nearer still.
 
-struct HitRecord {
-    status: u32,
-    // t is the sum of both, counted from where the ray enters the tree's box.
-    base: f32,
-    along: f32,
-    strongest: u32,
-    // −∇F.
-    outward: vec3f,
-    is_entering: u32,
-}
-
-@group(0) @binding(1) var<storage, read> rays: array<LocalRay>;
-@group(0) @binding(2) var<storage, read_write> hits: array<HitRecord>;
-
-const MISS: u32 = 0u;
-const HIT: u32 = 1u;
-// f32 cannot tell: the CPU answers.
-const IN_DOUBT: u32 = 2u;
-// More blobs overlap than the list has room for.
-const NO_ROOM: u32 = 3u;
-// The list of blobs that may be met is not whole.
-const NO_LIST: u32 = 4u;
-
 // A blob at a place of the stretch.
 struct BlobThere {
     // 1 − q.
@@ -140,10 +117,6 @@ fn surface_at(along: f32) -> HitRecord {
         }
     }
     return HitRecord(HIT, base, along, strongest, outward, select(1u, 0u, is_inside));
-}
-
-fn nothing(status: u32) -> HitRecord {
-    return HitRecord(status, 0.0, 0.0, NONE, vec3f(0.0), 0u);
 }
 
 fn trace(wants_any: bool) -> HitRecord {

@@ -1,19 +1,6 @@
 // Slots between the sprites' passes: the list of balls whose supports overlap the interval between two
 // events is kept up to date, and the interval is solved (Kanamori et al. 2008, §4.2 and §4.3).
 
-struct HitRecord {
-    status: u32,
-    // t is the sum of both, counted from where the ray enters the field's box.
-    base: f32,
-    along: f32,
-    strongest: u32,
-    // −∇F.
-    outward: vec3f,
-    is_entering: u32,
-}
-
-@group(0) @binding(1) var<storage, read> rays: array<LocalRay>;
-@group(0) @binding(2) var<storage, read_write> hits: array<HitRecord>;
 @group(0) @binding(7) var<storage, read> pairs: array<vec2u>;
 @group(0) @binding(8) var<storage, read> starts: array<u32>;
 @group(0) @binding(12) var<storage, read_write> states: array<SlotState>;
@@ -22,15 +9,6 @@ struct HitRecord {
 @group(0) @binding(14) var<storage, read_write> finished: array<atomic<u32>>;
 @group(0) @binding(17) var depths: texture_depth_2d;
 @group(0) @binding(18) var events: texture_2d<u32>;
-
-const MISS: u32 = 0u;
-const HIT: u32 = 1u;
-// Another way has to answer.
-const IN_DOUBT: u32 = 2u;
-// More balls overlap than the list has room for.
-const NO_ROOM: u32 = 3u;
-// Not all balls that may be met are known.
-const NO_LIST: u32 = 4u;
 
 const LANES: u32 = 64u;
 
@@ -53,10 +31,6 @@ fn finish(slot: u32, hit: HitRecord) {
     hits[slot] = hit;
     states[slot].is_done = 1u;
     atomicAdd(&finished[slot / SLOTS_PER_GROUP], 1u);
-}
-
-fn nothing(status: u32) -> HitRecord {
-    return HitRecord(status, 0.0, 0.0, NONE, vec3f(0.0), 0u);
 }
 
 fn number_of(group: vec3u, groups: vec3u, lane: u32) -> u32 {
