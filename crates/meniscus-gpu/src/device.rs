@@ -74,6 +74,7 @@ pub struct Device {
     pub(crate) limits: wgpu::Limits,
     pub(crate) has_timestamps: bool,
     pub(crate) programs: Programs,
+    pub(crate) peel: crate::peel::Kept,
     info: AdapterInfo,
     /// What went wrong first, if anything did.
     trouble: Arc<Mutex<Option<String>>>,
@@ -183,6 +184,7 @@ impl Device {
             limits,
             has_timestamps,
             programs: Programs::default(),
+            peel: crate::peel::Kept::default(),
             info,
             trouble,
             batches: AtomicU64::new(0),

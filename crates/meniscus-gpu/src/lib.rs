@@ -10,6 +10,7 @@ mod device;
 mod error;
 mod frame;
 mod pack;
+mod peel;
 mod program;
 mod shader;
 mod tracer;
@@ -18,5 +19,9 @@ mod uploaded;
 pub use device::{AdapterChoice, Device, OpenOptions};
 pub use error::GpuError;
 pub use frame::{FrameTracer, Takeover};
+pub use peel::{
+    Clipping, PeelField, PeelKind, PeelModule, PeelOptions, PeelTracer, PeelWork, StageSecs, View,
+    peel_sources,
+};
 pub use shader::{ShaderKind, sources};
 pub use tracer::{FieldTracer, TraceWork, TracerOptions};

@@ -39,6 +39,17 @@ pub enum Builder {
     Morton,
 }
 
+/// How engine `peel` finds what the rays through a tile of the film may meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PeelVariant {
+    /// A list per tile, sorted by distance, that every ray of the tile walks.
+    #[default]
+    Tiles,
+    /// Sprites of all supports, drawn over and over, nearest layer first (Kanamori, Szego & Nishita 2008).
+    Sprites,
+}
+
 /// `[engine]`. Each key concerns the engines that its description names; others ignore it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -52,10 +63,12 @@ pub struct EngineSettings {
     pub rmax_boxes: bool,
     /// `fitted-bvh`: whether split metaballs without part in the surface are left out (§5.3.2).
     pub discard: bool,
-    /// `sweep`: `own`, `nishita` or `kanamori`.
+    /// `sweep`: `own`, `nishita` or `kanamori`; `peel` with sprites: `own` or `kanamori`.
     pub clipping: Clipping,
     /// `particles`, `interval`: `sah` or `morton`.
     pub builder: Builder,
+    /// `peel`: `tiles` or `sprites`.
+    pub peel: PeelVariant,
 }
 
 impl Default for EngineSettings {
@@ -67,6 +80,7 @@ impl Default for EngineSettings {
             discard: true,
             clipping: Clipping::default(),
             builder: Builder::default(),
+            peel: PeelVariant::default(),
         }
     }
 }

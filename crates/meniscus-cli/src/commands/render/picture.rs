@@ -149,7 +149,7 @@ impl FrameWork<'_> {
         };
         reporter.stage("render");
         let start = Instant::now();
-        let tracing = Tracing::of(self.engine.device.as_ref(), frame, reporter)?;
+        let tracing = Tracing::seen_by(camera, self.engine, frame, reporter)?;
         let upload_secs = start.elapsed().as_secs_f64();
         let advance = |done, total| reporter.advance(done, total);
         let progress = Progress::none()
@@ -157,11 +157,20 @@ impl FrameWork<'_> {
             .with_callback(&advance);
         let rendered = match &tracing {
             Tracing::Cpu => CpuBackend.render(frame, camera, &settings, self.state, &progress),
-            Tracing::Gpu(tracer) => DeviceBackend {
-                name: "gpu",
-                tracer: &**tracer,
+            Tracing::Gpu(tracer) => {
+                let backend = DeviceBackend {
+                    name: "gpu",
+                    tracer: &**tracer,
+                };
+                backend.render(frame, camera, &settings, self.state, &progress)
             }
-            .render(frame, camera, &settings, self.state, &progress),
+            Tracing::Peel(tracer) => {
+                let backend = DeviceBackend {
+                    name: "gpu",
+                    tracer: &**tracer,
+                };
+                backend.render(frame, camera, &settings, self.state, &progress)
+            }
         };
         tracing.tell(reporter);
         rendered

@@ -84,7 +84,7 @@ impl Answers {
                     Tracing::Cpu => traced(rays, reporter, |ray, scratch| {
                         ray.is_traceable() && frame.any_hit(ray, scratch)
                     })?,
-                    Tracing::Gpu(_) => {
+                    Tracing::Gpu(_) | Tracing::Peel(_) => {
                         traced_together(rays, tracing, reporter, |rays, scratch| {
                             let mut hits = vec![false; rays.len()];
                             let asked = only_traceable(rays);
@@ -111,7 +111,7 @@ impl Answers {
                         let hit = traceable.then(|| frame.closest_hit(ray, scratch)).flatten();
                         closest(frame, &layout, ray, hit, scratch)
                     })?,
-                    Tracing::Gpu(_) => {
+                    Tracing::Gpu(_) | Tracing::Peel(_) => {
                         traced_together(rays, tracing, reporter, |rays, scratch| {
                             let mut hits = vec![None; rays.len()];
                             let asked = only_traceable(rays);
