@@ -77,6 +77,31 @@ P
 done
 
 say ""
+say "| scene, engine peel | variant | primary, Mrays/s by the card's own clock | lists, ms | sprites, ms | solve, ms | left to the tree |"
+say "|---|---|---|---|---|---|---|"
+for name in pool-100k pool-1m scattered-100k splash-100k; do
+  size=1920x1080
+  [ "$name" = scattered-100k ] && size=640x480
+  for variant in tiles sprites; do
+    "$meniscus" bench "$folder/$name.toml" --size "$size" --device gpu --engine peel --set "engine.peel=$variant" \
+      --json >"$folder/$name-peel-$variant.json"
+    say "$(python3 -c "
+import json, sys
+report = json.load(open(sys.argv[1]))
+primary, peel = report['primary'], report['peel']
+millis = ' | '.join(f'{peel[stage] * 1e3:.3f}' for stage in ('lists_secs', 'sprites_secs', 'solve_secs'))
+own = round(primary.get('device_mrays_per_sec', float('nan')), 1)
+print(f\"| {sys.argv[2]} | {sys.argv[3]} | {own} | {millis} | {peel['left_fraction']:.1e} |\")" \
+      "$folder/$name-peel-$variant.json" "$name $size" "$variant")"
+  done
+done
+
+say ""
+say "\`\`\`"
+"$meniscus" bench paper kanamori-gpu --device gpu | tee -a "$figures"
+say "\`\`\`"
+
+say ""
 say "| picture, 1920x1080, 4 samples | card, s | processor, s | pixels that differ by more than 2 of 255 |"
 say "|---|---|---|---|"
 for name in pool-100k pool-1m splash-100k; do

@@ -76,6 +76,7 @@ pub struct Device {
     pub(crate) has_timestamps: bool,
     pub(crate) programs: Programs,
     pub(crate) builders: Builders,
+    pub(crate) peel: crate::peel::Kept,
     info: AdapterInfo,
     /// What went wrong first, if anything did.
     trouble: Arc<Mutex<Option<String>>>,
@@ -186,6 +187,7 @@ impl Device {
             has_timestamps,
             programs: Programs::default(),
             builders: Builders::default(),
+            peel: crate::peel::Kept::default(),
             info,
             trouble,
             batches: AtomicU64::new(0),

@@ -32,6 +32,12 @@ pub enum GpuError {
         /// What limits it.
         message: String,
     },
+    /// Engine `peel` cannot do this.
+    #[error("engine peel cannot trace {what}")]
+    Unfit {
+        /// What it is asked for.
+        what: &'static str,
+    },
     /// The device was lost, or failed at its work.
     #[error("{adapter} was lost: {message}")]
     Lost {

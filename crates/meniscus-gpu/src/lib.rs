@@ -14,6 +14,7 @@ mod frame;
 #[cfg(test)]
 mod leaf_math_tests;
 mod pack;
+mod peel;
 mod program;
 mod readback;
 mod shader;
@@ -24,5 +25,9 @@ mod uploaded;
 pub use device::{AdapterChoice, Device, OpenOptions};
 pub use error::GpuError;
 pub use frame::{FrameTracer, Takeover};
+pub use peel::{
+    Clipping, PeelField, PeelKind, PeelModule, PeelOptions, PeelTracer, PeelWork, StageSecs, View,
+    peel_sources,
+};
 pub use shader::{BuildKind, BuildStep, ShaderKind, sources};
 pub use tracer::{FieldTracer, TraceWork, TracerOptions, TreeUpdate};

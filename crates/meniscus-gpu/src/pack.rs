@@ -48,7 +48,10 @@ fn pack_of<P: Primitive>(tree: &ParticleTree) -> Option<Packed> {
         .for_each(|(index, words)| pack_node(&tree.nodes[index], tree.closing.get(index), words));
     leaves
         .par_chunks_mut(leaf_words)
-        .zip(tree.blocks.par_chunks(leaf_blocks::<P>(moves)))
+        .zip(
+            tree.blocks
+                .par_chunks(leaf_blocks::<P>(tree.motion_columns)),
+        )
         .for_each(|(words, blocks)| {
             let header = LeafHeader::from_block(&blocks[0]);
             let [x, y, z] = header.center.map(f32::to_bits);

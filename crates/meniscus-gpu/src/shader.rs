@@ -23,14 +23,19 @@ pub struct ShaderKind {
     pub stack: u32,
 }
 
-/// The whole text of a tracing shader.
-pub fn sources(kind: &ShaderKind) -> String {
-    let kernel = match kind.kernel {
+/// The formula of a kernel.
+pub(crate) fn kernel_source(kernel: Kernel) -> &'static str {
+    match kernel {
         Kernel::Quartic => include_str!("shaders/kernel/quartic.wgsl"),
         Kernel::Sextic => include_str!("shaders/kernel/sextic.wgsl"),
         Kernel::Octic => include_str!("shaders/kernel/octic.wgsl"),
         Kernel::Wyvill => include_str!("shaders/kernel/wyvill.wgsl"),
-    };
+    }
+}
+
+/// The whole text of a tracing shader.
+pub fn sources(kind: &ShaderKind) -> String {
+    let kernel = kernel_source(kind.kernel);
     let primitive = match kind.ellipsoids {
         false => include_str!("shaders/primitive/ball.wgsl"),
         true => include_str!("shaders/primitive/ellipsoid.wgsl"),
@@ -54,7 +59,9 @@ pub fn sources(kind: &ShaderKind) -> String {
         motion,
         include_str!("shaders/accel/particles.wgsl"),
         include_str!("shaders/intersect/solve.wgsl"),
+        include_str!("shaders/intersect/hit.wgsl"),
         include_str!("shaders/intersect/particles.wgsl"),
+        include_str!("shaders/intersect/stretches.wgsl"),
     ]
     .join("\n")
 }

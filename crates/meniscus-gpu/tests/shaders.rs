@@ -1,7 +1,10 @@
 //! Every shader is valid, on any machine: no adapter is asked.
 
 use meniscus::kernel::Kernel;
-use meniscus_gpu::{BuildKind, BuildStep, ShaderKind, sources};
+use meniscus::scene::PeelVariant;
+use meniscus_gpu::{
+    BuildKind, BuildStep, Clipping, PeelKind, PeelModule, ShaderKind, peel_sources, sources,
+};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn kinds() -> Vec<ShaderKind> {
@@ -70,26 +73,78 @@ fn those_that_build_are_valid() {
     }
 }
 
+#[test]
+fn those_of_peel_are_valid() {
+    for kernel in Kernel::ALL {
+        for (variant, clipping) in [
+            (PeelVariant::Tiles, Clipping::Own),
+            (PeelVariant::Sprites, Clipping::Own),
+            (PeelVariant::Sprites, Clipping::Kanamori),
+        ] {
+            let kind = PeelKind {
+                kernel,
+                variant,
+                clipping,
+            };
+            for &module in PeelModule::of(variant) {
+                let text = peel_sources(&kind, module);
+                let parsed = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| {
+                    panic!("{kind:?} {module:?}: {}", error.emit_to_string(&text))
+                });
+                let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+                if let Err(error) = validator.validate(&parsed) {
+                    panic!("{kind:?} {module:?}: {}", error.emit_to_string(&text));
+                }
+                assert!(!parsed.entry_points.is_empty(), "{module:?}");
+            }
+        }
+    }
+}
+
 /// Records are written as plain words: these are the places that the host counts on.
 #[test]
 fn structs_lie_as_the_host_writes_them() {
     let module = module(&kinds()[0]);
-    let offsets = |name: &str| {
-        let (_, found) = module
-            .types
-            .iter()
-            .find(|(_, ty)| ty.name.as_deref() == Some(name))
-            .unwrap_or_else(|| panic!("there is no struct {name}"));
-        let naga::TypeInner::Struct { members, span } = &found.inner else {
-            panic!("{name} is no struct");
-        };
-        let offsets: Vec<u32> = members.iter().map(|member| member.offset).collect();
-        (offsets, *span)
-    };
+    let offsets = |name: &str| offsets_in(&module, name);
     assert_eq!(offsets("Params"), ((0..8).map(|i| 4 * i).collect(), 32));
     assert_eq!(
         offsets("LocalRay"),
         (vec![0, 12, 16, 28, 32, 44, 48, 60], 64)
     );
     assert_eq!(offsets("HitRecord"), (vec![0, 4, 8, 12, 16, 28], 32));
+}
+
+#[test]
+fn structs_of_peel_lie_as_the_host_writes_them() {
+    let kind = PeelKind {
+        kernel: Kernel::Sextic,
+        variant: PeelVariant::Sprites,
+        clipping: Clipping::Own,
+    };
+    let text = peel_sources(&kind, PeelModule::Slots);
+    let module = naga::front::wgsl::parse_str(&text).expect("it is valid");
+    let offsets = |name: &str| offsets_in(&module, name);
+    let params = (0..12).map(|i| 4 * i);
+    let params = params.chain([48, 64, 80, 96, 112, 128, 136, 144, 148, 152]);
+    assert_eq!(offsets("Params"), (params.collect(), 160));
+    assert_eq!(
+        offsets("LocalRay"),
+        (vec![0, 12, 16, 28, 32, 44, 48, 60], 64)
+    );
+    assert_eq!(offsets("HitRecord"), (vec![0, 4, 8, 12, 16, 28], 32));
+    assert_eq!(offsets("SlotState"), ((0..8).map(|i| 4 * i).collect(), 32));
+}
+
+/// Where the members of a struct lie, and its size.
+fn offsets_in(module: &naga::Module, name: &str) -> (Vec<u32>, u32) {
+    let (_, found) = module
+        .types
+        .iter()
+        .find(|(_, ty)| ty.name.as_deref() == Some(name))
+        .unwrap_or_else(|| panic!("there is no struct {name}"));
+    let naga::TypeInner::Struct { members, span } = &found.inner else {
+        panic!("{name} is no struct");
+    };
+    let offsets: Vec<u32> = members.iter().map(|member| member.offset).collect();
+    (offsets, *span)
 }

@@ -42,6 +42,7 @@ fn moving(scene: &Scene, distance: f64) -> Scene {
     let motion = Motion {
         velocities: (0..field.len()).map(|i| rate(i, 0, 2.0)).collect(),
         half_accelerations: (0..field.len()).map(|i| rate(i, 1, -2.0)).collect(),
+        velocity_gradients: Vec::new(),
         shutter: SHUTTER_SECS,
     };
     Scene {
@@ -148,6 +149,7 @@ fn cells_keep_blobs_that_move_with_their_neighbours() {
         let motion = Motion {
             velocities: (0..still.len()).map(velocity).collect(),
             half_accelerations: vec![[0.0; 3]; still.len()],
+            velocity_gradients: Vec::new(),
             shutter: SHUTTER_SECS,
         };
         let field = BlobField {

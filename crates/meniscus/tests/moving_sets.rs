@@ -69,6 +69,7 @@ fn blobs_that_begin_to_move_are_built_anew() {
     moving.motion = Some(Motion {
         velocities: vec![[0.1, 0.0, 0.0]; count],
         half_accelerations: vec![[0.0; 3]; count],
+        velocity_gradients: Vec::new(),
         shutter: [0.0, 1.0],
     });
     let mut blobs = Blobs::build(scene.field.clone(), Engine::Particles, Level::new());

@@ -7,7 +7,7 @@ use clap::Args;
 #[command(next_help_heading = "Engine")]
 pub(crate) struct EngineArgs {
     /// Acceleration structure and solver: cells, particles, interval, metaball-bvh,
-    /// fitted-bvh, sweep [default: cells; on a GPU particles]
+    /// fitted-bvh, sweep; on a GPU particles, peel [default: cells; on a GPU particles]
     ///
     /// The papers' engines have switches in the scene's table `engine`, so --set reaches them.
     /// metaball-bvh and fitted-bvh: engine.cost=n|n2 [default: n2]. fitted-bvh: engine.fit,
@@ -15,6 +15,7 @@ pub(crate) struct EngineArgs {
     /// sweep: engine.clipping=own|nishita|kanamori [default: own].
     /// particles, interval: engine.builder=sah|morton|device [default: sah]; with device the card
     /// builds the tree.
+    /// peel: engine.peel=tiles|sprites [default: tiles]; with sprites engine.clipping=own|kanamori.
     #[arg(long, value_name = "NAME")]
     pub engine: Option<String>,
     /// Where to trace: cpu, gpu, auto [default: auto]

@@ -1,11 +1,15 @@
 //! Where rays are traced: `--device`.
 
+use super::engine::EngineChoice;
 use crate::exit::{Failure, Outcome};
 use crate::progress::Reporter;
 use meniscus::frame::Frame;
 use meniscus::intersect::{BlobTracer, Hit, OnCpu, Scratch, TraceError};
 use meniscus::math::ray::Ray;
-use meniscus_gpu::{AdapterChoice, Device, FrameTracer, GpuError, OpenOptions, Takeover};
+use meniscus::scene::camera::Camera;
+use meniscus_gpu::{
+    AdapterChoice, Device, FrameTracer, GpuError, OpenOptions, PeelTracer, PeelWork, Takeover,
+};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -104,16 +108,42 @@ pub(crate) enum Tracing<'a> {
     Cpu,
     /// A card.
     Gpu(Box<FrameTracer<'a>>),
+    /// A card, the camera's rays by engine `peel`.
+    Peel(Box<PeelTracer<'a>>),
 }
 
 impl OpenDevice {
-    /// Uploads a frame; where that fails and the processor may take over, it does.
-    pub(crate) fn upload(&self, frame: &Frame, reporter: &Reporter) -> Outcome<Tracing<'_>> {
+    /// The card and its driver, for messages.
+    pub(crate) fn describe(&self) -> String {
+        self.device.describe()
+    }
+
+    /// Whether it is a driver that runs on the processor.
+    pub(crate) fn is_software(&self) -> bool {
+        self.device.is_software()
+    }
+
+    /// Uploads a frame, for engine `peel` as `camera` sees it; where that fails and the processor may
+    /// take over, it does.
+    pub(crate) fn upload(
+        &self,
+        frame: &Frame,
+        camera: Option<&Camera>,
+        reporter: &Reporter,
+    ) -> Outcome<Tracing<'_>> {
         if self.takeover == Takeover::ByCpu && self.device.is_lost() {
             return Ok(Tracing::Cpu);
         }
-        match FrameTracer::upload(&self.device, frame, self.takeover) {
-            Ok(tracer) => Ok(Tracing::Gpu(Box::new(tracer))),
+        let uploaded = match camera {
+            None => FrameTracer::upload(&self.device, frame, self.takeover)
+                .map(|tracer| Tracing::Gpu(Box::new(tracer))),
+            Some(camera) => PeelTracer::upload(&self.device, frame, camera, self.takeover)
+                .map(|tracer| Tracing::Peel(Box::new(tracer))),
+        };
+        match uploaded {
+            Ok(tracing) => Ok(tracing),
+            Err(error @ GpuError::Unfit { .. }) => Err(Failure::wrong(error.to_string())
+                .with_help("--engine particles can, and on the processor --engine sweep with all its switches")),
             Err(error) if self.takeover == Takeover::ByCpu => {
                 reporter.warn(&format!("on the processor: {error}"));
                 Ok(Tracing::Cpu)
@@ -139,17 +169,34 @@ impl Tracing<'_> {
     ) -> Outcome<Tracing<'d>> {
         match device {
             None => Ok(Tracing::Cpu),
-            Some(device) => device.upload(frame, reporter),
+            Some(device) => device.upload(frame, None, reporter),
+        }
+    }
+
+    /// What traces a frame that `camera` sees, by the engine that was chosen.
+    pub(crate) fn seen_by<'d>(
+        camera: &Camera,
+        engine: &'d EngineChoice,
+        frame: &Frame,
+        reporter: &Reporter,
+    ) -> Outcome<Tracing<'d>> {
+        match &engine.device {
+            Some(device) if engine.is_peel => device.upload(frame, Some(camera), reporter),
+            device => Tracing::of(device.as_ref(), frame, reporter),
         }
     }
 
     /// What traces a frame on `device`, put there while another frame may still be rendered; `None`
     /// where that does not work, such as for lack of memory: then it is asked for again when it is the
     /// frame's turn.
-    pub(crate) fn ahead<'d>(device: Option<&'d OpenDevice>, frame: &Frame) -> Option<Tracing<'d>> {
-        let Some(device) = device else {
+    pub(crate) fn ahead<'d>(engine: &'d EngineChoice, frame: &Frame) -> Option<Tracing<'d>> {
+        let Some(device) = &engine.device else {
             return Some(Tracing::Cpu);
         };
+        if engine.is_peel {
+            // It has to know the camera.
+            return None;
+        }
         let tracer = FrameTracer::upload(&device.device, frame, device.takeover).ok()?;
         Some(Tracing::Gpu(Box::new(tracer)))
     }
@@ -172,13 +219,14 @@ impl Tracing<'_> {
         match self {
             Self::Cpu => 0,
             Self::Gpu(tracer) => tracer.bytes(),
+            Self::Peel(tracer) => tracer.bytes(),
         }
     }
 
     /// Time of the device for building its trees, by its own clock.
     pub(crate) fn build_secs(&self) -> Option<f64> {
         match self {
-            Self::Cpu => None,
+            Self::Cpu | Self::Peel(_) => None,
             Self::Gpu(tracer) => Some(tracer.build_secs()),
         }
     }
@@ -188,6 +236,7 @@ impl Tracing<'_> {
         match self {
             Self::Cpu => on_cpu,
             Self::Gpu(tracer) => tracer.together(),
+            Self::Peel(tracer) => tracer.together(),
         }
     }
 
@@ -205,6 +254,7 @@ impl Tracing<'_> {
                 Ok(())
             }
             Self::Gpu(tracer) => frame.closest_hits_by(&**tracer, rays, hits, scratch),
+            Self::Peel(tracer) => frame.closest_hits_by(&**tracer, rays, hits, scratch),
         }
     }
 
@@ -222,26 +272,45 @@ impl Tracing<'_> {
                 Ok(())
             }
             Self::Gpu(tracer) => frame.any_hits_by(&**tracer, rays, hits, scratch),
+            Self::Peel(tracer) => frame.any_hits_by(&**tracer, rays, hits, scratch),
         }
     }
 
     /// Time of the device by its own clock so far, in seconds; `None` where it keeps none.
     pub(crate) fn device_secs(&self) -> Option<f64> {
+        let secs = match self {
+            Self::Cpu => 0.0,
+            Self::Gpu(tracer) => tracer.work().device_secs,
+            Self::Peel(tracer) => tracer.tree_work().device_secs + tracer.work().secs.total(),
+        };
+        Some(secs).filter(|&secs| secs > 0.0)
+    }
+
+    /// What engine `peel` did so far.
+    pub(crate) fn peel_work(&self) -> Option<PeelWork> {
         match self {
-            Self::Cpu => None,
-            Self::Gpu(tracer) => Some(tracer.work().device_secs).filter(|&secs| secs > 0.0),
+            Self::Cpu | Self::Gpu(_) => None,
+            Self::Peel(tracer) => Some(tracer.work()),
         }
     }
 
     /// Says what became of the device's work.
     pub(crate) fn tell(&self, reporter: &Reporter) {
-        let Self::Gpu(tracer) = self else {
-            return;
+        let (lost, work) = match self {
+            Self::Cpu => return,
+            Self::Gpu(tracer) => (tracer.lost(), tracer.take_work()),
+            Self::Peel(tracer) => {
+                let work = tracer.work();
+                reporter.note(&format!(
+                    "{} of the camera's rays by engine peel, {} of them left to the tree",
+                    work.rays, work.left
+                ));
+                (tracer.lost(), tracer.tree_work())
+            }
         };
-        if let Some(error) = tracer.lost() {
+        if let Some(error) = lost {
             reporter.warn(&format!("{error}; the processor did the rest"));
         }
-        let work = tracer.take_work();
         reporter.note(&format!(
             "{} rays on the card, {} of them answered by the processor",
             work.rays, work.on_cpu

@@ -9,8 +9,8 @@ use meniscus::frame::{Frame, FrameSettings};
 use meniscus::math::simd::{SimdLevel, level_name};
 use meniscus::scene::{Builder, EngineSettings};
 
-/// Engines that are announced and not there yet.
-const ENGINES_TO_COME: [&str; 1] = ["peel"];
+/// The engine that only cards have: the camera's rays by sprites or lists, all others by the tree.
+const PEEL: &str = "peel";
 /// Most threads that make sense to ask for.
 const MAX_THREADS: usize = 4096;
 
@@ -25,6 +25,8 @@ pub(crate) struct EngineChoice {
     pub threads: usize,
     /// The graphics card that traces, if one does.
     pub device: Option<OpenDevice>,
+    /// Whether the camera's rays are those of engine `peel`.
+    pub is_peel: bool,
     wish: DeviceWish,
     engine_is_given: bool,
 }
@@ -32,6 +34,9 @@ pub(crate) struct EngineChoice {
 impl EngineChoice {
     /// The engine that traces a frame: moving particles are handed on by those that know still ones only.
     pub(crate) fn name_for(&self, frame: &Frame) -> &'static str {
+        if self.is_peel {
+            return PEEL;
+        }
         let used = frame.blobs().next().map(|blobs| blobs.accel.engine());
         used.unwrap_or(self.frame.engine).name()
     }
@@ -57,6 +62,9 @@ impl EngineChoice {
     /// Opens the device that was asked for, where it can do the work: a card traces with one engine and
     /// cannot do what `undoable` names.
     pub(crate) fn on_device(self, undoable: Option<&str>, reporter: &Reporter) -> Outcome<Self> {
+        if self.is_peel {
+            return self.peeling(undoable, reporter);
+        }
         let other_engine = self.engine_is_given && self.frame.engine != Engine::Particles;
         let device = match undoable {
             Some(undoable) => self.wish.refuse(undoable, reporter)?,
@@ -74,11 +82,39 @@ impl EngineChoice {
         Ok(choice)
     }
 
+    /// Opens the device for engine `peel`, which no processor has.
+    fn peeling(self, undoable: Option<&str>, reporter: &Reporter) -> Outcome<Self> {
+        let failure = match (undoable, self.wish) {
+            (Some(undoable), _) => Failure::wrong(format!("--engine {PEEL} cannot do {undoable}"))
+                .with_help("--engine particles can, or --engine cells on the processor"),
+            (None, DeviceWish::Cpu) => {
+                Failure::wrong(format!("--engine {PEEL} runs on a graphics card only"))
+                    .with_help("--device gpu, or another engine such as particles")
+            }
+            (None, DeviceWish::Gpu | DeviceWish::Auto) => {
+                let Some(device) = self.wish.open(reporter)? else {
+                    return Err(Failure::work(format!(
+                        "there is no graphics card for --engine {PEEL}"
+                    ))
+                    .with_help("another engine such as particles runs on the processor"));
+                };
+                return Ok(Self {
+                    device: Some(device),
+                    ..self
+                });
+            }
+        };
+        Err(failure)
+    }
+
     /// Validates the options and starts the threads. Everything is on the processor until
     /// [`EngineChoice::on_device`].
     pub(crate) fn new(args: &EngineArgs) -> Outcome<Self> {
+        let is_peel = args.engine.as_deref() == Some(PEEL);
         let engine = match args.engine.as_deref() {
             None => Engine::default(),
+            // Beside it stands the tree that cards walk.
+            Some(PEEL) => Engine::Particles,
             Some(name) => engine(name)?,
         };
         let wish = DeviceWish::new(args.device.as_deref())?;
@@ -105,6 +141,7 @@ impl EngineChoice {
             simd: level_name(level),
             threads: rayon::current_num_threads(),
             device: None,
+            is_peel,
             wish,
             engine_is_given: args.engine.is_some(),
         })
@@ -112,15 +149,11 @@ impl EngineChoice {
 }
 
 fn engine(name: &str) -> Outcome<Engine> {
-    let available = Engine::ALL.map(Engine::name).join(", ");
-    match Engine::from_name(name) {
-        Some(engine) => Ok(engine),
-        None if ENGINES_TO_COME.contains(&name) => {
-            Err(Failure::not_yet(&format!("--engine {name}"), &available))
-        }
-        None => Err(Failure::wrong(format!("there is no engine `{name}`"))
-            .with_help(format!("there are: {available}"))),
-    }
+    Engine::from_name(name).ok_or_else(|| {
+        let available = Engine::ALL.map(Engine::name).join(", ");
+        Failure::wrong(format!("there is no engine `{name}`"))
+            .with_help(format!("there are: {available}; on a card also {PEEL}"))
+    })
 }
 
 fn level(name: &str) -> Outcome<meniscus::math::simd::Level> {

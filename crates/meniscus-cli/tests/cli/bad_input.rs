@@ -135,13 +135,8 @@ fn settings_out_of_range() {
 }
 
 #[test]
-fn what_is_announced_and_not_there_yet_is_said() {
+fn what_is_not_there_is_said() {
     let folder = Folder::with_water();
-    folder.fails(
-        "render water.vtk -o out.png --engine peel",
-        2,
-        &["not available yet"],
-    );
     folder.fails("bench paper gourmel-9", 2, &["gourmel-1"]);
     folder.fails("render water.vtk -o out.png --device tpu", 2, &["cpu"]);
     folder.fails("render water.vtk -o out.png --engine magic", 2, &["cells"]);

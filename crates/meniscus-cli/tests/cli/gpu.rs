@@ -149,6 +149,81 @@ fn a_card_says_how_long_it_builds() {
 }
 
 #[test]
+fn engine_peel_needs_a_card_and_says_what_it_cannot() {
+    let folder = Folder::with_water();
+    let small = "render water.toml -o a.png --size 32x24 --engine peel";
+    folder.fails(
+        &format!("{small} --device cpu"),
+        2,
+        &["card", "--device gpu"],
+    );
+    folder.fails(small, 1, &["no graphics card", "particles"]);
+    folder.fails(
+        &format!("{small} --integrator path"),
+        2,
+        &["--engine peel cannot do --integrator path", "particles"],
+    );
+    crate::trace::write_rays(&folder, 8, &[0.0, 0.0, 9.0, 0.0, 0.0, -1.0, 0.0, 9.0]);
+    folder.fails(
+        "trace water.toml --rays rays.npy -o a.npz --engine peel",
+        2,
+        &["--engine peel", "camera"],
+    );
+    folder.fails("bench paper kanamori-gpu", 1, &["no graphics card"]);
+    folder.fails("bench paper kanamori-1 --device gpu", 2, &["bench paper"]);
+    if !has_driver(&folder, "engine_peel_needs_a_card_and_says_what_it_cannot") {
+        return;
+    }
+    for (words, part) in [
+        ("--anisotropy estimate", "ellipsoids"),
+        (
+            "--set engine.peel=sprites --set engine.clipping=nishita",
+            "nishita",
+        ),
+    ] {
+        let words = format!("{small} --device gpu {words}");
+        let ended = run_on_software(&folder, &words, &[]);
+        assert_eq!(ended.code, Some(2), "{words}: {}", ended.stderr);
+        assert!(ended.stderr.contains(part), "{}", ended.stderr);
+    }
+}
+
+#[test]
+fn engine_peel_s_picture_is_that_of_the_processor() {
+    let folder = Folder::with_water();
+    if !has_driver(&folder, "engine_peel_s_picture_is_that_of_the_processor") {
+        return;
+    }
+    let words = "render water.toml --size 160x120 --spp 2 --ground --stats stats.json";
+    folder.done(&format!("{words} -o cpu.png"));
+    let cpu = Picture::read(&folder.path("cpu.png"));
+    for variant in ["tiles", "sprites"] {
+        let peel = format!("--device gpu --engine peel --set engine.peel={variant}");
+        let ended = run_on_software(&folder, &format!("{words} -o gpu.png {peel}"), &[]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        assert_eq!(folder.json("stats.json")["engine"], "peel");
+        let budget = Budget::default();
+        let difference = Picture::read(&folder.path("gpu.png")).difference(&cpu, budget.channel);
+        assert!(
+            difference.pixels <= budget.pixels && difference.mean <= budget.mean,
+            "{variant}: {difference:?}"
+        );
+        let words = format!("bench water.toml --size 64x48 --repeats 1 --json {peel}");
+        let ended = run_on_software(&folder, &words, &[]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let report: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
+        assert_eq!(report["engine"], "peel");
+        assert!(
+            report["peel"]["listed"].as_f64().unwrap() > 100.0,
+            "{report}"
+        );
+        let layers = report["peel"]["layers"].as_f64().unwrap();
+        assert_eq!(layers > 0.0, variant == "sprites", "{report}");
+        assert!(report["primary"]["hit_fraction"].as_f64().unwrap() > 0.02);
+    }
+}
+
+#[test]
 fn rays_of_a_file_hit_the_same() {
     let folder = Folder::with_water();
     if !has_driver(&folder, "rays_of_a_file_hit_the_same") {

@@ -63,6 +63,7 @@ pub(crate) fn moving(mut scene: Scene) -> Scene {
     field.motion = Some(Motion {
         velocities: (0..count).map(|i| rate(i, 2.4)).collect(),
         half_accelerations: (0..count).map(|i| rate(i, -1.1)).collect(),
+        velocity_gradients: Vec::new(),
         shutter: SHUTTER,
     });
     field.search = Search::default();

@@ -4,4 +4,5 @@
 mod agreement;
 mod build;
 mod common;
+mod peel;
 mod pictures;

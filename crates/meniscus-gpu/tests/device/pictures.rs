@@ -20,7 +20,7 @@ use meniscus_testing::image::{Budget, Picture};
 
 const SIZE: [u32; 2] = [96, 72];
 
-fn picture(film: &Film) -> Picture {
+pub(crate) fn picture(film: &Film) -> Picture {
     let image = film.develop(Tone::default(), BitDepth::Eight);
     let Pixels::Eight(values) = &image.pixels else {
         panic!("8 bits were asked for");
@@ -33,7 +33,7 @@ fn picture(film: &Film) -> Picture {
     }
 }
 
-fn settings(scene: &Scene) -> RenderSettings {
+pub(crate) fn settings(scene: &Scene) -> RenderSettings {
     RenderSettings {
         spp: 4,
         integrator: scene.integrator.clone(),
@@ -81,7 +81,7 @@ fn check_same(device: &Device, kind: &str, scene: &Scene) {
     check_budget(kind, &ours, &theirs);
 }
 
-fn check_budget(what: &str, ours: &Picture, theirs: &Picture) {
+pub(crate) fn check_budget(what: &str, ours: &Picture, theirs: &Picture) {
     let budget = Budget::default();
     let difference = ours.difference(theirs, budget.channel);
     assert!(

@@ -6,6 +6,7 @@ pub mod particles;
 pub mod supports;
 pub mod triangles;
 
+use crate::field::Motion;
 use crate::scene::{Builder, EngineSettings};
 use metaballs::MetaballTree;
 
@@ -99,9 +100,12 @@ impl Accel {
         } else {
             engine
         };
+        // No device knows shapes that turn.
+        let turns = field.motion.as_ref().is_some_and(Motion::turns);
+        let is_elsewhere = settings.builder == Builder::Device && !turns;
         match engine {
             Engine::Cells => Self::Cells(cells::Cells::build(field)),
-            Engine::Particles if settings.builder == Builder::Device => Self::Elsewhere,
+            Engine::Particles if is_elsewhere => Self::Elsewhere,
             Engine::Particles => Self::Particles(particle_tree()),
             Engine::Interval => Self::Interval(particle_tree()),
             Engine::MetaballBvh => Self::Metaballs(metaballs(metaballs::Boxes::Overlapping)),

@@ -168,7 +168,8 @@ impl BlobField {
         }
         let (least, largest) = supports.range();
         let are_similar = largest <= SIMILAR_SUPPORTS * least && supports.len() == positions.len();
-        let motion = build.motion(shutter_secs, velocity_scale)?;
+        let have_axes = matches!(supports, Supports::Ellipsoids(_));
+        let motion = build.motion(have_axes, shutter_secs, velocity_scale)?;
         let source = form.source(order).unwrap_or_else(|| rule.source());
         let mut built = build.pack(settings, supports, source, spacing)?;
         built.field.motion = motion;

@@ -32,39 +32,25 @@ impl FieldAt<'_> {
         let mut sum = DVec3::ZERO;
         self.for_each_blob_at(local, |i, y, q| {
             let factor = 2.0 * f64::from(self.field.weights[i]) * self.field.kernel.derivative(q);
-            sum += factor * self.field.shapes.transform_transposed(i, y);
+            sum += factor * self.transform_transposed(i, y);
         });
         sum
     }
 
-    /// ∇∇F = Σ wᵢ (4k″(qᵢ)·(Aᵀy)(Aᵀy)ᵀ + 2k′(qᵢ)·AᵀA), in 1/length². It jumps where a support ends and
-    /// the kernel is `quartic` or `wyvill`.
+    /// ∇∇F, in 1/length²: that of [`FieldAt::level_set`].
     pub fn hessian(&self, local: DVec3) -> DMat3 {
-        let mut sum = DMat3::ZERO;
-        self.for_each_blob_at(local, |i, y, q| {
-            let weight = f64::from(self.field.weights[i]);
-            let m = self.field.shapes.transform_transposed(i, y);
-            let outer = DMat3::from_cols(m * m.x, m * m.y, m * m.z);
-            let metric = DMat3::from_cols_array_2d(&DVec3::AXES.map(|axis| {
-                let column = self.field.shapes.transform(i, axis);
-                self.field.shapes.transform_transposed(i, column).to_array()
-            }));
-            sum += outer * (4.0 * weight * self.field.kernel.second_derivative(q))
-                + metric * (2.0 * weight * self.field.kernel.derivative(q));
-        });
-        sum
+        self.level_set(local).hessian
     }
 
     /// Velocities blended by field weight, in lengths per second; 0 where nothing moves or reaches.
     pub fn velocity(&self, local: DVec3) -> DVec3 {
-        let Some(motion) = &self.field.motion else {
+        if self.field.motion.is_none() {
             return DVec3::ZERO;
-        };
+        }
         let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
         self.for_each_blob_at(local, |i, _, q| {
             let weight = f64::from(self.field.weights[i]) * self.field.kernel.value(q);
-            let [velocity, half_acceleration] = motion.rates(i);
-            sum += (velocity + half_acceleration * (2.0 * self.time_secs)) * weight;
+            sum += self.blob_velocity(i).unwrap_or(DVec3::ZERO) * weight;
             weights += weight;
         });
         if weights == 0.0 {

@@ -6,6 +6,7 @@
 mod anisotropy;
 mod build;
 mod colors;
+mod derivatives;
 mod error;
 mod evaluate;
 mod motion;
@@ -16,6 +17,7 @@ mod report;
 mod search;
 mod shape;
 mod supports;
+mod turning;
 mod weights;
 
 pub use build::{FieldBuild, LARGEST_COORDINATE};
@@ -26,6 +28,7 @@ pub use motion::{FieldAt, Motion};
 pub use report::{FieldReport, SupportSource};
 pub use search::Search;
 pub use shape::metric::MetricOrder;
+pub use turning::MOST_TURN;
 
 use crate::kernel::Kernel;
 use crate::math::aabb::Aabb;

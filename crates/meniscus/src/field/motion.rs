@@ -12,6 +12,10 @@ pub struct Motion {
     pub velocities: Vec<[f32; 3]>,
     /// Halves of the accelerations, in lengths per second squared.
     pub half_accelerations: Vec<[f32; 3]>,
+    /// Velocity gradients L of the material about each blob, row by row, in 1/second: how its ellipsoid
+    /// turns and stretches. Empty where shapes stay as they are; else no shape is a ball's, and
+    /// |L| times the longest time is at most [`MOST_TURN`](super::MOST_TURN).
+    pub velocity_gradients: Vec<[f32; 9]>,
     /// When the shutter opens and closes, in seconds relative to the frame. What comes before or after
     /// is traced as at the nearer end.
     pub shutter: [f64; 2],
@@ -90,13 +94,16 @@ impl BlobField {
     /// Local box around the support of blob `i` at any time while the shutter is open.
     pub fn support_box(&self, i: usize) -> Aabb {
         let center = self.center(i);
-        let half = Vec3::from_array(self.shapes.half_extents(i));
         match &self.motion {
-            None => Aabb {
-                min: center - half,
-                max: center + half,
-            },
+            None => {
+                let half = Vec3::from_array(self.shapes.half_extents(i));
+                Aabb {
+                    min: center - half,
+                    max: center + half,
+                }
+            }
             Some(motion) => {
+                let half = motion.half_extents(i, &self.shapes);
                 let path = motion.path_box(i, center.as_dvec3());
                 let mut bounds = Aabb {
                     min: path.min.as_vec3() - half,
@@ -120,7 +127,7 @@ impl BlobField {
         let Some(motion) = &self.motion else {
             return [self.support_box(i); 2];
         };
-        let half = Vec3::from_array(self.shapes.half_extents(i));
+        let half = motion.half_extents(i, &self.shapes);
         let bend = motion.rates(i)[1] * motion.half_shutter_secs().powi(2);
         motion.shutter.map(|time_secs| {
             let center = self.at(time_secs).center(i);
@@ -169,5 +176,13 @@ impl<'a> FieldAt<'a> {
             None => center,
             Some(motion) => center + motion.offset(i, self.time_secs),
         }
+    }
+
+    /// Velocity of blob `i` at this time, in lengths per second; `None` where nothing moves.
+    #[inline]
+    pub fn blob_velocity(&self, i: usize) -> Option<DVec3> {
+        let motion = self.field.motion.as_ref()?;
+        let [velocity, half_acceleration] = motion.rates(i);
+        Some(velocity + half_acceleration * (2.0 * self.time_secs))
     }
 }

@@ -71,7 +71,7 @@ impl FieldAt<'_> {
             .support_tree()
             .for_each_containing(local, |blob| {
                 let blob = blob as usize;
-                let y = self.field.shapes.transform(blob, local - self.center(blob));
+                let y = self.transform(blob, local - self.center(blob));
                 let q = y.length_squared();
                 if q < 1.0 {
                     visit(blob, y, q);

@@ -1,7 +1,9 @@
 //! The conventions: supports, weights, what is dropped and what is said about it.
 
+mod derivatives;
 mod evaluation;
 mod evil;
+mod rates;
 
 use super::{BlobField, FieldBuild, FieldError, MetricOrder, SupportSource};
 use crate::kernel::Kernel;

@@ -15,7 +15,7 @@ const SAMPLES: usize = 1 << 16;
 
 impl Geometry {
     /// Object-space box around the surface at any time in `shutter` (seconds relative to the frame);
-    /// `None` where it is infinite. All stand still within a frame: every shutter has the same box.
+    /// `None` where it is infinite. Every shutter has the same box, that of the field's own.
     pub fn bounds(&self, _shutter: [f64; 2]) -> Option<DAabb> {
         match self {
             Self::Blobs(blobs) => Some(in_object_space(&blobs.field, blobs.field.bounds())),
@@ -34,7 +34,7 @@ impl Frame {
             .iter()
             .fold(DAabb::EMPTY, |bounds, instance| {
                 match self.geometries[instance.geometry as usize].bounds(shutter) {
-                    Some(local) => bounds.union(transformed(local, &instance.world_from_object)),
+                    Some(local) => bounds.union(instance.bounds(local, shutter)),
                     None => bounds,
                 }
             })
@@ -143,7 +143,7 @@ fn in_object_space(field: &BlobField, local: Aabb) -> DAabb {
 }
 
 /// The box around a transformed box (Arvo 1990).
-fn transformed(bounds: DAabb, map: &DAffine3) -> DAabb {
+pub(super) fn transformed(bounds: DAabb, map: &DAffine3) -> DAabb {
     if bounds.is_empty() {
         return bounds;
     }

@@ -224,8 +224,14 @@ impl Frame {
                     self.materials.len() as u32 - 1
                 }
             };
-            self.instances
-                .push(Instance::new(geometry, placement.matrix.0, material));
+            self.instances.push(match &placement.keys[..] {
+                [] => Instance::new(geometry, placement.matrix.0, material),
+                keys => {
+                    let motion = &scene.motion;
+                    let shutter = motion.shutter_secs();
+                    Instance::moving(geometry, keys, motion.time, shutter, material)
+                }
+            });
         }
         let blobs = Blobs::build_with(field, settings.engine, settings.switches, settings.level);
         self.geometries.push(Geometry::Blobs(Box::new(blobs)));

@@ -8,12 +8,14 @@ mod build;
 mod colors;
 pub mod environment;
 pub mod looks;
+mod path;
 mod solids;
 mod update;
 
 pub use build::{FrameError, FrameSettings};
 pub use environment::{Environment, EnvironmentError};
 pub use looks::{Absorption, BaseColor, Coloring, GroundLook, Light, Material, Scaling};
+pub use path::{InstancePath, Placement};
 pub use solids::{MeshSurface, Plane, Sphere};
 pub use update::Update;
 
@@ -21,9 +23,9 @@ use crate::accel::supports::SupportTree;
 use crate::accel::{Accel, Engine};
 use crate::field::BlobField;
 use crate::math::simd::Level;
-use crate::scene::{Background, EngineSettings};
+use crate::scene::{Background, EngineSettings, PlacementKey};
 use glam::{DAffine3, DVec3};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// A blob field with the structure that traces it.
 #[derive(Debug)]
@@ -126,16 +128,18 @@ impl Geometry {
 }
 
 /// A surface placed in the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Instance {
     /// Index into [`Frame::geometries`].
     pub geometry: u32,
-    /// Object to world.
+    /// Object to world, at the frame's time.
     pub world_from_object: DAffine3,
-    /// World to object.
+    /// World to object, at the frame's time.
     pub object_from_world: DAffine3,
     /// Index into [`Frame::materials`].
     pub material: u32,
+    /// Where it is at other times, if it moves while the shutter is open.
+    pub path: Option<Arc<InstancePath>>,
 }
 
 impl Instance {
@@ -146,6 +150,26 @@ impl Instance {
             world_from_object,
             object_from_world: world_from_object.inverse(),
             material,
+            path: None,
+        }
+    }
+
+    /// A geometry that moves through sorted keys, for a frame at `frame_secs` seconds of the scene whose
+    /// shutter is open from `shutter[0]` to `shutter[1]` relative to it.
+    ///
+    /// # Panics
+    /// If there are no keys.
+    pub fn moving(
+        geometry: u32,
+        keys: &[PlacementKey],
+        frame_secs: f64,
+        shutter: [f64; 2],
+        material: u32,
+    ) -> Self {
+        let (world_from_object, path) = InstancePath::new(keys, frame_secs, shutter);
+        Self {
+            path: path.map(Arc::new),
+            ..Self::new(geometry, world_from_object, material)
         }
     }
 }
@@ -201,6 +225,14 @@ impl Frame {
             Geometry::Sphere(_) | Geometry::Plane(_) => 0,
         };
         self.geometries.iter().map(bytes).sum()
+    }
+
+    /// Whether anything moves while the shutter is open.
+    pub fn moves(&self) -> bool {
+        self.instances
+            .iter()
+            .any(|instance| instance.path.is_some())
+            || self.blobs().any(|blobs| blobs.field.motion.is_some())
     }
 
     /// [`Blobs::refinement_secs`] of all.

@@ -67,11 +67,13 @@ fn a_surface_without_instances_stands_once_and_instances_replace_it() {
             surface: "drop".to_owned(),
             matrix: shift(1.0),
             material: None,
+            keys: Vec::new(),
         },
         scene::Instance {
             surface: "drop".to_owned(),
             matrix: shift(2.0),
             material: Some("red".to_owned()),
+            keys: Vec::new(),
         },
     ];
     scene.planes = vec![scene::Plane::default()];
@@ -101,6 +103,7 @@ fn names_that_are_missing_are_reported() {
         surface: "drop".to_owned(),
         matrix: Matrix::default(),
         material: None,
+        keys: Vec::new(),
     });
     let error = build(&scene, vec![field(vec![[0.0; 3]])]).unwrap_err();
     assert_eq!(error.to_string(), "the scene defines no surface `drop`");
@@ -271,6 +274,7 @@ fn instances_move_and_turn_the_bounds() {
                 * DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0)),
         ),
         material: None,
+        keys: Vec::new(),
     });
     let frame = build(&scene, vec![field(vec![[0.0; 3]])]).unwrap();
     // x of [98, 102], doubled and turned into y.

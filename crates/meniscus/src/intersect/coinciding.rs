@@ -28,6 +28,7 @@ impl Frame {
             .iter()
             .any(|plane| plane.height(hit.position) > 0.0);
         for (surface, instance) in self.instances.iter().enumerate() {
+            let instance = &*instance.at(ray.time);
             let geometry = &self.geometries[instance.geometry as usize];
             if matches!(geometry, Geometry::Blobs(_)) {
                 continue;

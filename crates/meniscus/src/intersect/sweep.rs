@@ -340,10 +340,10 @@ fn outward_and_strongest<K: KernelShape>(
     let (mut strongest, mut most) = (u32::MAX, -1.0);
     for blob in active {
         let i = blob.index as usize;
-        let y = field.shapes.transform(i, position - at.center(i));
+        let y = at.transform(i, position - at.center(i));
         let g = F64((1.0 - y.length_squared()).max(0.0));
         let weight = f64::from(field.weights[i]);
-        outward += field.shapes.transform_transposed(i, y) * (2.0 * weight * K::slope(g).0);
+        outward += at.transform_transposed(i, y) * (2.0 * weight * K::slope(g).0);
         let strength = (weight * kernel_of::<K>(g.0)).abs();
         if strength > most || (strength == most && blob.index < strongest) {
             (strongest, most) = (blob.index, strength);

@@ -115,7 +115,7 @@ impl Frame {
         let instance = &self.instances[surface];
         let geometry = &self.geometries[instance.geometry as usize];
         let is_cut = geometry.is_cut() && !self.clips.is_empty();
-        let is_as_given = is_identity(&instance.object_from_world)
+        let is_as_given = is_untransformed(instance)
             && hits.iter().all(Option::is_none)
             && states_side_of(rays, surface as u32)
             && !is_cut;
@@ -126,7 +126,7 @@ impl Frame {
             buffers.capped.clear();
             for (index, (ray, hit)) in rays.iter().zip(&mut *hits).enumerate() {
                 let nearest = hit.map_or(ray.t_max, |hit| hit.t);
-                let mut moved = transformed(ray, &instance.object_from_world)
+                let mut moved = transformed(ray, &instance.at(ray.time).object_from_world)
                     .with_range(ray.t_min, nearest)
                     .with_side(ray.side_towards(surface as u32));
                 let mut cap = None;
@@ -147,10 +147,10 @@ impl Frame {
                 found.clear();
                 found.resize(rays.len(), None);
                 tracer.closest_many(instance.geometry, blobs, moved, found, scratch)?;
-                let matrix = instance.object_from_world.matrix3.transpose();
                 for ((ray, hit), found) in rays.iter().zip(&mut *hits).zip(found) {
                     if let Some(f) = found {
-                        let normal = (matrix * f.outward).normalize_or_zero();
+                        let matrix = instance.at(ray.time).object_from_world.matrix3;
+                        let normal = (matrix.transpose() * f.outward).normalize_or_zero();
                         *hit = Some(Hit {
                             t: f.t,
                             position: ray.at(f.t),
@@ -165,6 +165,7 @@ impl Frame {
             }
             Geometry::Mesh(mesh) => {
                 for (hit, moved) in hits.iter_mut().zip(moved) {
+                    let instance = &*instance.at(moved.time);
                     let error = origin_error(instance, moved) + ORIGIN_ERROR * mesh.size;
                     if let Some(found) = mesh.closest(moved, error, &mut scratch.nodes) {
                         *hit = Some(placed(surface, instance, &found));
@@ -173,6 +174,7 @@ impl Frame {
             }
             Geometry::Sphere(sphere) => {
                 for (hit, moved) in hits.iter_mut().zip(moved) {
+                    let instance = &*instance.at(moved.time);
                     if let Some(found) = sphere.closest(moved, origin_error(instance, moved)) {
                         *hit = Some(placed(surface, instance, &found));
                     }
@@ -180,6 +182,7 @@ impl Frame {
             }
             Geometry::Plane(plane) => {
                 for (hit, moved) in hits.iter_mut().zip(moved) {
+                    let instance = &*instance.at(moved.time);
                     let error = plane_error(instance, moved, plane);
                     if let Some((t, entering)) = plane.closest(moved, error) {
                         let found = plane_hit(plane, moved.at(t), t, entering);
@@ -207,7 +210,7 @@ impl Frame {
 
     /// The hit on the cap that clip `plane` leaves on a surface.
     fn cap(&self, surface: usize, ray: &Ray, t: f64, plane: usize, entering: bool) -> Hit {
-        let instance = &self.instances[surface];
+        let instance = self.instances[surface].at(ray.time);
         let plane = &self.clips[plane];
         let position = on_plane(plane, ray.at(t));
         let object = instance.object_from_world.transform_point3(position);
@@ -282,15 +285,14 @@ impl Frame {
         let instance = &self.instances[surface];
         let geometry = &self.geometries[instance.geometry as usize];
         let is_cut = geometry.is_cut() && !self.clips.is_empty();
-        let is_as_given = is_identity(&instance.object_from_world)
-            && states_side_of(rays, surface as u32)
-            && !is_cut;
+        let is_as_given =
+            is_untransformed(instance) && states_side_of(rays, surface as u32) && !is_cut;
         let moved = if is_as_given {
             rays
         } else {
             buffers.rays.clear();
             for (index, (ray, hit)) in rays.iter().zip(&mut *hits).enumerate() {
-                let mut moved = transformed(ray, &instance.object_from_world)
+                let mut moved = transformed(ray, &instance.at(ray.time).object_from_world)
                     .with_side(ray.side_towards(surface as u32));
                 if is_cut && !*hit {
                     let cap;
@@ -313,20 +315,21 @@ impl Frame {
             }
             Geometry::Mesh(mesh) => {
                 for (hit, ray) in hits.iter_mut().zip(moved) {
+                    let instance = &*instance.at(ray.time);
                     let error = origin_error(instance, ray) + ORIGIN_ERROR * mesh.size;
                     *hit = *hit || mesh.occluded(ray, error, &mut scratch.nodes);
                 }
             }
             Geometry::Sphere(sphere) => {
                 for (hit, ray) in hits.iter_mut().zip(moved) {
-                    *hit = *hit || sphere.closest(ray, origin_error(instance, ray)).is_some();
+                    let error = origin_error(&instance.at(ray.time), ray);
+                    *hit = *hit || sphere.closest(ray, error).is_some();
                 }
             }
             Geometry::Plane(plane) => {
                 for (hit, ray) in hits.iter_mut().zip(moved) {
-                    *hit |= plane
-                        .closest(ray, plane_error(instance, ray, plane))
-                        .is_some();
+                    let error = plane_error(&instance.at(ray.time), ray, plane);
+                    *hit |= plane.closest(ray, error).is_some();
                 }
             }
         }
@@ -350,6 +353,7 @@ impl Frame {
             false => Some(Span::new(&self.clips, ray)),
         };
         for instance in &self.instances {
+            let instance = &*instance.at(ray.time);
             let geometry = &self.geometries[instance.geometry as usize];
             let mut moved = transformed(ray, &instance.object_from_world);
             let cutting = span.as_ref().filter(|_| geometry.is_cut());
@@ -404,7 +408,7 @@ impl Frame {
     /// On which side of surface `surface` a world point lies at a time (seconds relative to the frame);
     /// what is cut away is outside.
     pub fn side(&self, surface: u32, point: DVec3, time_secs: f64, scratch: &mut Scratch) -> Side {
-        let instance = &self.instances[surface as usize];
+        let instance = self.instances[surface as usize].at(time_secs);
         let geometry = &self.geometries[instance.geometry as usize];
         if geometry.is_cut() && self.clips.iter().any(|plane| plane.height(point) > 0.0) {
             return Side::Outside;
@@ -511,8 +515,9 @@ fn states_side_of(rays: &[Ray], surface: u32) -> bool {
     rays.iter().all(|ray| ray.side_towards(surface) == ray.side)
 }
 
-fn is_identity(object_from_world: &DAffine3) -> bool {
-    *object_from_world == DAffine3::IDENTITY
+/// Whether rays in the world's space are rays in the object's.
+fn is_untransformed(instance: &Instance) -> bool {
+    instance.path.is_none() && instance.object_from_world == DAffine3::IDENTITY
 }
 
 pub(super) fn transformed(ray: &Ray, object_from_world: &DAffine3) -> Ray {

@@ -1,7 +1,10 @@
 //! Numbers, vectors, boxes, rays and SIMD lanes: no knowledge of particles or scenes.
 
 pub mod aabb;
+pub mod differential;
 pub mod dual;
+pub mod keyframes;
+pub mod level_set;
 pub mod morton;
 pub mod number;
 pub mod ray;

@@ -1,6 +1,7 @@
 //! Rays: where they start, where they may end, when, and on which side of the surface.
 
-use glam::{DVec3, Vec3};
+use super::differential::RayDifferential;
+use glam::DVec3;
 
 /// Which side of a surface a point lies on (`F < T` outside, `F > T` inside).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,15 +27,6 @@ impl Side {
     }
 }
 
-/// How a ray changes from one pixel to the next (Igehy 1999), in world space per pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct RayDifferential {
-    /// ∂origin/∂x, ∂origin/∂y.
-    pub origin: [Vec3; 2],
-    /// ∂direction/∂x, ∂direction/∂y.
-    pub direction: [Vec3; 2],
-}
-
 /// A half line `origin + t·direction` with `t` in `[t_min, t_max]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
@@ -54,7 +46,7 @@ pub struct Ray {
     /// The surface that `side` is about, as an index into the frame's instances; the side of all
     /// others is unknown then. `None`: it is about every surface.
     pub side_of: Option<u32>,
-    /// Footprint of a pixel, for those who filter.
+    /// How it changes from pixel to pixel and with time, for those who filter.
     pub differential: Option<RayDifferential>,
 }
 

@@ -15,6 +15,11 @@ pub enum Role {
     Velocity,
     /// Acceleration, in the file's unit per second squared; three components.
     Acceleration,
+    /// Gradient of the velocity about the particle, row by row, in 1/second: how its shape turns and
+    /// stretches; nine components.
+    VelocityGradient,
+    /// Angular velocity of the particle's shape, in radians per second; three components.
+    AngularVelocity,
     /// A number that stays with a particle from frame to frame; one component.
     Id,
     /// Colour, 0 to 1; three components, or four with alpha.
@@ -39,10 +44,12 @@ pub enum Role {
 
 impl Role {
     /// Every role.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Radius,
         Self::Velocity,
         Self::Acceleration,
+        Self::VelocityGradient,
+        Self::AngularVelocity,
         Self::Id,
         Self::Color,
         Self::Metric,
@@ -60,6 +67,8 @@ impl Role {
             Self::Radius => "radius",
             Self::Velocity => "velocity",
             Self::Acceleration => "acceleration",
+            Self::VelocityGradient => "velocity_gradient",
+            Self::AngularVelocity => "angular_velocity",
             Self::Id => "id",
             Self::Color => "color",
             Self::Metric => "metric",

@@ -6,13 +6,13 @@ use super::{Backend, Progress, RenderError, RenderSettings, RenderState, RenderS
 use crate::film::{CURVATURE, Film, MOTION, NO_INDEX, PixelSample, Region, SurfaceSample};
 use crate::frame::environment::luminance;
 use crate::frame::{Frame, Geometry};
-use crate::intersect::surface::Curvature;
 use crate::intersect::{BlobTracer, Hit, OnCpu};
+use crate::math::aabb::DAabb;
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::{PixelFilter, PixelSampler};
 use crate::scene::camera::Camera;
 use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -108,8 +108,11 @@ struct Job<'a, T: ?Sized> {
     samples: Range<u32>,
     shader: Shader<'a>,
     filter: PixelFilter,
-    /// Side of every surface at the eye, where it is the same and known.
-    eye_side: Side,
+    /// Side of every surface at the eye, where it is the same and known; `None` where the eye or they
+    /// move.
+    eye_side: Option<Side>,
+    /// Box around all but planes while the shutter is open.
+    bounds: DAabb,
 }
 
 impl<'a, T> Job<'a, T>
@@ -132,6 +135,10 @@ where
             });
         }
         let [width, height] = camera.size;
+        let bounds = frame.bounds(settings.shutter_secs);
+        let [open, close] = settings.shutter_secs;
+        // A shutter that opens for no time sees the frame as it is then.
+        let eye_moves = camera.moves() && (open != 0.0 || close != 0.0);
         Ok(Self {
             tracer,
             cut,
@@ -150,10 +157,13 @@ where
                     with_attributes: !settings.channels.attributes().is_empty(),
                     spp: settings.spp,
                     eye: camera.eye,
+                    eye_moves,
+                    shutter_secs: settings.shutter_secs[1] - settings.shutter_secs[0],
                 },
             ),
             filter: PixelFilter::default(),
-            eye_side: eye_side(frame, camera),
+            eye_side: (!eye_moves).then(|| eye_side(frame, &bounds, camera.eye)),
+            bounds,
         })
     }
 
@@ -316,10 +326,14 @@ where
                 let position = self
                     .filter
                     .film_position([x, y], self.settings.spp, &mut sampler);
+                let secs = self.time_secs([x, y], sample);
+                let ray = self.camera.ray_at(position, secs);
+                let side = self.eye_side;
+                let antialiases = self.settings.integrator.specular_antialiasing;
                 block.eye.rays.push(Ray {
-                    side: self.eye_side,
-                    time: self.time_secs([x, y], sample),
-                    ..self.camera.ray(position)
+                    side: side.unwrap_or_else(|| eye_side(self.frame, &self.bounds, ray.origin)),
+                    differential: antialiases.then(|| self.camera.differential_at(position, secs)),
+                    ..ray
                 });
                 block.starts.push(Start {
                     pixel: [x, y],
@@ -405,12 +419,15 @@ where
         Ok(())
     }
 
-    /// How far what was hit moves across the film while the shutter is open, to first order, in pixels.
+    /// How far what was hit moves across the film while the shutter is open, in pixels; its particles to
+    /// first order.
     fn motion(&self, hit: &Hit, time_secs: f64) -> [f32; 2] {
         let [open, close] = self.settings.shutter_secs;
-        let velocity = self.frame.velocity(hit, time_secs);
-        let at = |secs: f64| self.camera.project(hit.position + velocity * secs);
-        match [at(open - time_secs), at(close - time_secs)] {
+        let at = |secs: f64| {
+            let place = self.frame.carried(hit, time_secs, secs);
+            self.camera.at(secs).project(place)
+        };
+        match [at(open), at(close)] {
             [Some(from), Some(to)] => [0, 1].map(|axis| (to[axis] - from[axis]) as f32),
             _ => [0.0; 2],
         }
@@ -419,12 +436,13 @@ where
     fn surface_sample(&self, seen: &Seen, time_secs: f64) -> Option<SurfaceSample> {
         let hit = seen.hit?;
         let curvature = if self.with_curvature {
-            self.frame.curvature(&hit, time_secs)
+            let level_set = self.frame.level_set(&hit, time_secs);
+            [level_set.mean_curvature(), level_set.gaussian_curvature()]
         } else {
-            Curvature::default()
+            [0.0; 2]
         };
         Some(SurfaceSample {
-            depth: self.camera.depth(hit.position) as f32,
+            depth: self.camera.at(time_secs).depth(hit.position) as f32,
             position: hit.position.as_vec3().to_array(),
             normal: hit.shading_normal.as_vec3().to_array(),
             motion: if self.with_motion {
@@ -432,7 +450,7 @@ where
             } else {
                 [0.0; 2]
             },
-            curvature: [curvature.mean as f32, curvature.gaussian as f32],
+            curvature: curvature.map(|curvature| curvature as f32),
             id: seen.row.unwrap_or(NO_INDEX),
             surface: hit.surface,
         })
@@ -473,9 +491,7 @@ impl Tile {
 
 /// Outside where the eye lies beyond the supports of all blobs, meshes and spheres and above all planes, so that no
 /// primary ray has to ask; unknown otherwise.
-fn eye_side(frame: &Frame, camera: &Camera) -> Side {
-    let bounds = frame.bounds([0.0, 0.0]);
-    let eye = camera.eye;
+fn eye_side(frame: &Frame, bounds: &DAabb, eye: DVec3) -> Side {
     let in_bounds = bounds.min.cmple(eye).all() && eye.cmple(bounds.max).all();
     let above_planes = frame.instances.iter().all(|instance| {
         match &frame.geometries[instance.geometry as usize] {

@@ -41,6 +41,17 @@ pub enum Builder {
     Device,
 }
 
+/// How engine `peel` finds what the rays through a tile of the film may meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PeelVariant {
+    /// A list per tile, sorted by distance, that every ray of the tile walks.
+    #[default]
+    Tiles,
+    /// Sprites of all supports, drawn over and over, nearest layer first (Kanamori, Szego & Nishita 2008).
+    Sprites,
+}
+
 /// `[engine]`. Each key concerns the engines that its description names; others ignore it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -54,10 +65,12 @@ pub struct EngineSettings {
     pub rmax_boxes: bool,
     /// `fitted-bvh`: whether split metaballs without part in the surface are left out (§5.3.2).
     pub discard: bool,
-    /// `sweep`: `own`, `nishita` or `kanamori`.
+    /// `sweep`: `own`, `nishita` or `kanamori`; `peel` with sprites: `own` or `kanamori`.
     pub clipping: Clipping,
     /// `particles`, `interval`: `sah`, `morton` or `device`.
     pub builder: Builder,
+    /// `peel`: `tiles` or `sprites`.
+    pub peel: PeelVariant,
 }
 
 impl Default for EngineSettings {
@@ -69,6 +82,7 @@ impl Default for EngineSettings {
             discard: true,
             clipping: Clipping::default(),
             builder: Builder::default(),
+            peel: PeelVariant::default(),
         }
     }
 }

@@ -72,6 +72,12 @@ pub struct IntegratorSettings {
     /// bent, and what rough surfaces see of mirrors and metals is blurred.
     #[serde(skip_serializing_if = "is_true")]
     pub caustics: bool,
+    /// `shaded`, `whitted`, `path`: whether highlights of coats and metals are as wide as the normals
+    /// differ within what a sample stands for, a part of its pixel and of the shutter. Small highlights
+    /// on curved and on turning surfaces then need fewer samples; the picture is that of sharper ones in
+    /// the limit of many.
+    #[serde(skip_serializing_if = "is_false")]
+    pub specular_antialiasing: bool,
 }
 
 /// Most rays of `ao` per camera sample.
@@ -80,6 +86,11 @@ pub const MAX_AO_SAMPLES: u32 = 65_536;
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
 fn is_true(value: &bool) -> bool {
     *value
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
+fn is_false(value: &bool) -> bool {
+    !*value
 }
 
 impl Default for IntegratorSettings {
@@ -94,6 +105,7 @@ impl Default for IntegratorSettings {
             distance: None,
             clamp: None,
             caustics: true,
+            specular_antialiasing: false,
         }
     }
 }

@@ -23,18 +23,18 @@ pub mod preset;
 pub mod surface;
 mod validate;
 
-pub use camera::{CameraSettings, Up};
+pub use camera::{CameraKey, CameraSettings, Up};
 pub use color::Color;
 pub use colormap::ColorMap;
 pub use cues::CueSettings;
-pub use engine::{Builder, Clipping, EngineSettings, LeafCost};
+pub use engine::{Builder, Clipping, EngineSettings, LeafCost, PeelVariant};
 pub use file::{SceneError, SceneErrorKind};
 pub use film::{Background, FilmSettings, WhiteBalance};
 pub use integrator::{IntegratorKind, IntegratorSettings};
 pub use lights::{Light, LightKind};
 pub use materials::{Material, MaterialKind};
 pub use motion::MotionSettings;
-pub use placement::{Clip, ClipError, Ground, Instance, Matrix, Mesh, Plane, Sphere};
+pub use placement::{Clip, ClipError, Ground, Instance, Matrix, Mesh, PlacementKey, Plane, Sphere};
 pub use preset::Preset;
 pub use surface::{Anisotropy, BlobSettings, Surface, SurfaceKind, Weights};
 

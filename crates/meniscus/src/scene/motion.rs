@@ -14,6 +14,9 @@ pub struct MotionSettings {
     /// Factor that turns the particles' velocities (and accelerations) into the file's unit of length per
     /// second; not 0.
     pub velocity_scale: f64,
+    /// When the frame is, in seconds: what the keys of the camera and of instances count in. `render` adds
+    /// the time since the first frame of a sequence.
+    pub time: f64,
 }
 
 /// Longest shutter, in times between two pictures.
@@ -25,6 +28,7 @@ impl Default for MotionSettings {
             shutter: 0.0,
             fps: 25.0,
             velocity_scale: 1.0,
+            time: 0.0,
         }
     }
 }

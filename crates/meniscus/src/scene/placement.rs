@@ -12,12 +12,25 @@ use std::path::PathBuf;
 pub struct Instance {
     /// Name of the surface.
     pub surface: String,
-    /// World from object.
+    /// World from object, where no `keys` say it.
     #[serde(default)]
     pub matrix: Matrix,
     /// Name of a material that replaces the surface's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// `[[instance.key]]`: where it is at several times; it moves in between and rests before and after.
+    #[serde(default, rename = "key", skip_serializing_if = "Vec::is_empty")]
+    pub keys: Vec<PlacementKey>,
+}
+
+/// `[[instance.key]]`: where an instance is at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlacementKey {
+    /// When, in seconds of the scene (see [`super::MotionSettings::time`]); keys come in order.
+    pub time: f64,
+    /// World from object.
+    pub matrix: Matrix,
 }
 
 /// `[[plane]]`: an infinite plane; its inside is the half space below it.

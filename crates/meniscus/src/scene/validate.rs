@@ -1,6 +1,7 @@
 //! Whether a scene makes sense, beyond what its types say.
 
 mod company;
+mod keys;
 
 use super::camera::{Camera, CameraError, CameraSettings};
 use super::file::suggest::help_for;
@@ -141,6 +142,7 @@ impl Scene {
             return Err(invalid(format!("{key}.surface"), message).with_help(help));
         }
         check_matrix(&format!("{key}.matrix"), &instance.matrix)?;
+        keys::check_placements(key, instance)?;
         self.check_material(&format!("{key}.material"), instance.material.as_deref())
     }
 }
@@ -160,6 +162,7 @@ fn check_camera(camera: &CameraSettings) -> Checked {
             check_point(key, point)?;
         }
     }
+    keys::check_camera(camera)?;
     let (Some(eye), Some(target)) = (camera.eye, camera.target) else {
         return Ok(());
     };

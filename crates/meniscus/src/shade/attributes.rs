@@ -75,7 +75,7 @@ impl SurfaceAttributes {
     /// they carry.
     pub(super) fn gather(&mut self, frame: &Frame, surface: u32, position: DVec3) {
         self.parts.clear();
-        let instance = &frame.instances[surface as usize];
+        let instance = frame.instances[surface as usize].at(self.time_secs);
         if let Some(blobs) = frame.geometries[instance.geometry as usize].blobs() {
             let object = instance.object_from_world.transform_point3(position);
             let local = object - blobs.field.origin;

@@ -1,5 +1,6 @@
 //! The coat on a diffuse base: a dielectric microfacet highlight and its Fresnel reflectance.
 
+use glam::Vec3;
 use std::f32::consts::PI;
 
 /// Reflectance of a dielectric of index 1.5 seen head on.
@@ -41,10 +42,33 @@ impl Gloss {
     pub(super) fn highlight(&self, nl: f32, nv: f32, nh: f32, vh: f32) -> f32 {
         let a2 = self.width * self.width;
         let d = nh * nh * (a2 - 1.0) + 1.0;
-        let distribution = a2 / (PI * d * d);
+        self.reflected(a2 / (PI * d * d), [a2; 2], [nl, nv, vh])
+    }
+
+    /// [`Gloss::highlight`] with `added` to the squares of the widths along x and y of the frame of the
+    /// directions, whose z is the normal.
+    pub(super) fn widened_highlight(
+        &self,
+        added: [f32; 2],
+        [light, view, half]: [Vec3; 3],
+        vh: f32,
+    ) -> f32 {
+        let [x2, y2] = added.map(|added| (self.width * self.width + added).min(1.0));
+        let d = half.x * half.x / x2 + half.y * half.y / y2 + half.z * half.z;
+        // The squared width that a direction sees.
+        let seen = |direction: Vec3| {
+            let [x, y] = [direction.x * direction.x, direction.y * direction.y];
+            (x2 * x + y2 * y) / (x + y).max(f32::MIN_POSITIVE)
+        };
+        let distribution = 1.0 / (PI * (x2 * y2).sqrt() * d * d);
+        let widths = [seen(light), seen(view)];
+        self.reflected(distribution, widths, [light.z, view.z, vh])
+    }
+
+    /// D·F·G/(4 nl nv) times π·nl, with G/(4 nl nv) = 0.5/masking.
+    fn reflected(&self, distribution: f32, [l2, v2]: [f32; 2], [nl, nv, vh]: [f32; 3]) -> f32 {
         let masking =
-            nl * (nv * nv * (1.0 - a2) + a2).sqrt() + nv * (nl * nl * (1.0 - a2) + a2).sqrt();
-        // D·F·G/(4 nl nv) with G/(4 nl nv) = 0.5/masking.
+            nl * (nv * nv * (1.0 - v2) + v2).sqrt() + nv * (nl * nl * (1.0 - l2) + l2).sqrt();
         PI * nl * distribution * self.reflectance(vh) * 0.5 / masking.max(1e-6)
     }
 }
@@ -82,6 +106,33 @@ mod tests {
                 assert!(sum > 0.02, "roughness {roughness}: {sum}");
             }
         }
+    }
+
+    #[test]
+    fn a_highlight_widened_by_nothing_or_evenly_is_the_round_one() {
+        let gloss = Gloss::new(1.0, 0.4).unwrap();
+        let wider = Gloss::new(1.0, (0.16_f32 * 0.16 + 0.05).powf(0.25)).unwrap();
+        let light = Vec3::new(0.3, 0.2, 0.9).normalize();
+        let view = Vec3::new(-0.5, 0.1, 0.6).normalize();
+        let half = (light + view).normalize();
+        let vh = view.dot(half);
+        for (added, round) in [([0.0; 2], gloss), ([0.05; 2], wider)] {
+            // Grazing reflectance depends on the roughness; compare what does not.
+            let expected = round.highlight(light.z, view.z, half.z, vh) / round.reflectance(vh)
+                * gloss.reflectance(vh);
+            let found = gloss.widened_highlight(added, [light, view, half], vh);
+            assert!(
+                (found / expected - 1.0).abs() < 2e-3,
+                "{found} for {expected}"
+            );
+        }
+        let stretched = gloss.widened_highlight([0.2, 0.0], [light, view, half], vh);
+        let turned = |v: Vec3| Vec3::new(-v.y, v.x, v.z);
+        let other = gloss.widened_highlight([0.0, 0.2], [light, view, half].map(turned), vh);
+        assert!(
+            (stretched / other - 1.0).abs() < 1e-4,
+            "{stretched} and {other}"
+        );
     }
 
     #[test]

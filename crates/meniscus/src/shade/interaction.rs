@@ -3,6 +3,8 @@
 use super::bsdf::Bsdf;
 use super::medium::MediumStack;
 use crate::intersect::Hit;
+use crate::math::differential::RayDifferential;
+use crate::math::level_set::HitChange;
 use crate::math::ray::{Ray, Side};
 use glam::{DVec3, Vec3};
 
@@ -20,6 +22,18 @@ pub(super) struct Interaction<'a> {
     pub(super) axes: [DVec3; 3],
     /// Media behind the surface; those in front of it if it is opaque.
     pub(super) beyond: MediumStack,
+    /// How the hit changes by the film's x and y and by time, the normals on the viewer's side; where
+    /// rays carry differentials.
+    pub(super) changes: Option<[HitChange; 3]>,
+}
+
+/// What turns a ray that keeps its differential.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Turn {
+    /// A mirror, rough ones included.
+    Reflection,
+    /// The boundary of two clear media; the index on the viewer's side over that beyond.
+    Refraction(f64),
 }
 
 impl Interaction<'_> {
@@ -49,6 +63,17 @@ impl Interaction<'_> {
             ..
         } = &self.hit;
         shading_normal == normal || (direction.dot(*normal) > 0.0) == (on_viewers_side == *entering)
+    }
+
+    /// The differential of `ray`, which met the surface, behind it.
+    pub(super) fn differential(&self, ray: &Ray, turn: Turn) -> Option<RayDifferential> {
+        let changes = self.changes.as_ref()?;
+        let arriving = ray.differential.as_ref()?;
+        let (direction, normal) = (ray.direction, self.normal());
+        match turn {
+            Turn::Reflection => Some(arriving.reflected(direction, normal, changes)),
+            Turn::Refraction(eta) => arriving.refracted(direction, normal, eta, changes),
+        }
     }
 
     /// The ray that leaves in world direction `direction`, which lies on the viewer's side or beyond.

@@ -17,14 +17,15 @@ pub(super) struct MediumStack {
 }
 
 impl MediumStack {
-    /// The stack at a world point at the frame's time, by asking every clear surface.
-    pub(super) fn at(frame: &Frame, point: DVec3) -> Self {
+    /// The stack at a world point at a time (seconds relative to the frame), by asking every clear
+    /// surface.
+    pub(super) fn at(frame: &Frame, point: DVec3, secs: f64) -> Self {
         let mut stack = Self::default();
         let mut scratch = Scratch::default();
         for (surface, instance) in frame.instances.iter().enumerate() {
             let surface = surface as u32;
             let is_medium = frame.materials[instance.material as usize].is_medium();
-            if is_medium && frame.side(surface, point, 0.0, &mut scratch) == Side::Inside {
+            if is_medium && frame.side(surface, point, secs, &mut scratch) == Side::Inside {
                 stack.enter(surface);
             }
         }
@@ -129,20 +130,23 @@ mod tests {
     #[test]
     fn the_stack_at_a_point_holds_the_clear_surfaces_around_it() {
         let frame = frame();
-        let below = MediumStack::at(&frame, DVec3::NEG_Y);
+        let below = MediumStack::at(&frame, DVec3::NEG_Y, 0.0);
         assert_eq!(below.surfaces(), [0, 1]);
-        assert_eq!(MediumStack::at(&frame, DVec3::Y), MediumStack::default());
+        assert_eq!(
+            MediumStack::at(&frame, DVec3::Y, 0.0),
+            MediumStack::default()
+        );
     }
 
     #[test]
     fn too_many_media_and_unexpected_exits_do_no_harm() {
         let mut frame = frame();
-        let clear = frame.instances[0];
+        let clear = frame.instances[0].clone();
         for _ in 0..20 {
             let copy = Instance::new(clear.geometry, DAffine3::IDENTITY, clear.material);
             frame.instances.push(copy);
         }
-        let stack = MediumStack::at(&frame, DVec3::NEG_Y);
+        let stack = MediumStack::at(&frame, DVec3::NEG_Y, 0.0);
         assert_eq!(stack.surfaces().len(), CAPACITY);
         assert_eq!(stack.crossed(21, false), stack);
         assert_eq!(stack.crossed(0, true), stack);

@@ -1,5 +1,6 @@
 //! What surfaces look like: how they scatter light, where light comes from, and ways to gather it.
 
+mod antialias;
 mod asking;
 mod attributes;
 mod bsdf;

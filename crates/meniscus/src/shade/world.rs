@@ -2,6 +2,8 @@
 
 mod passage;
 
+use super::ShadeSettings;
+use super::antialias::{NormalSpread, SpecularFilter};
 use super::attributes::AttributeLayout;
 use super::bsdf::{Bsdf, Coat, Conductor, Dielectric, Diffuse, Foam, Plastic, RoughBoundary};
 use super::interaction::Interaction;
@@ -10,9 +12,10 @@ use super::medium::MediumStack;
 use super::rays::{RayCounts, ShadeScratch};
 use crate::frame::{BaseColor, Frame, Geometry, Material, Scaling};
 use crate::intersect::Hit;
+use crate::math::level_set::HitChange;
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::tangents;
-use crate::scene::{Background, Light as LightSettings, MaterialKind};
+use crate::scene::{Background, IntegratorKind, Light as LightSettings, MaterialKind};
 use glam::{DVec3, Vec3};
 
 /// What a material needs beside its numbers, made once.
@@ -102,16 +105,19 @@ pub(super) struct World<'a> {
     has_sheets: bool,
     /// If all attributes are wanted at every first hit.
     attributes: Option<AttributeLayout>,
+    /// Widens highlights.
+    filter: Option<SpecularFilter>,
+    /// Whether it widens perfect mirrors, too: only where scattered rays are drawn.
+    widens_mirrors: bool,
 }
 
 impl<'a> World<'a> {
-    /// Without `scatters` nothing is prepared for [`World::interaction`].
-    pub(super) fn new(
-        frame: &'a Frame,
-        background: Background,
-        with_attributes: bool,
-        scatters: bool,
-    ) -> Self {
+    /// Only for integrators that scatter rays is [`World::interaction`] prepared.
+    pub(super) fn new(frame: &'a Frame, settings: &ShadeSettings) -> Self {
+        let scatters = match settings.integrator.kind {
+            IntegratorKind::Whitted | IntegratorKind::Path => true,
+            IntegratorKind::Shaded | IntegratorKind::Ao => false,
+        };
         let prepared = if scatters {
             frame.materials.iter().map(Prepared::new).collect()
         } else {
@@ -124,12 +130,16 @@ impl<'a> World<'a> {
         Self {
             frame,
             lights: Lights::new(frame),
-            background,
+            background: settings.background,
             default_sky: default_sky(),
             prepared,
             medium_count: materials().filter(|material| material.is_medium()).count(),
             has_sheets: materials().any(|material| material.thin),
-            attributes: with_attributes.then(|| AttributeLayout::new(frame)),
+            attributes: settings
+                .with_attributes
+                .then(|| AttributeLayout::new(frame)),
+            filter: SpecularFilter::new(settings),
+            widens_mirrors: settings.integrator.kind == IntegratorKind::Path,
         }
     }
 
@@ -330,7 +340,10 @@ impl<'a> World<'a> {
         };
         // Bodies refract by the face, so that what goes in comes out.
         let normal = viewed_normal(ray, &hit, material.is_medium());
-        let [x, y] = tangents(normal);
+        let changes = self.changes(ray, &hit);
+        let spread = self.spread(normal, changes.as_ref());
+        let [x, y] = spread.map_or_else(|| tangents(normal), |spread| spread.tangents);
+        let bsdf = spread.map_or(bsdf, |spread| self.widened(bsdf, spread.added));
         let axes = [x, y, normal];
         let mut view = DVec3::from_array(axes.map(|axis| -axis.dot(ray.direction)));
         // Where a ray grazes the surface, the rounded normal may look away from it.
@@ -342,7 +355,49 @@ impl<'a> World<'a> {
             view: view.normalize(),
             axes,
             beyond,
+            changes,
         })
+    }
+
+    /// How a hit changes by the film's x and y and by time, the normals on the viewer's side; `None` for
+    /// rays without differentials.
+    fn changes(&self, ray: &Ray, hit: &Hit) -> Option<[HitChange; 3]> {
+        let differential = ray.differential.as_ref()?;
+        let surface = self.frame.level_set(hit, ray.time);
+        let towards = if hit.entering { 1.0 } else { -1.0 };
+        let changes = differential.at_hit(ray.direction, hit.t, &surface);
+        Some(changes.map(|change| HitChange {
+            normal: change.normal * towards,
+            ..change
+        }))
+    }
+
+    fn spread(&self, normal: DVec3, changes: Option<&[HitChange; 3]>) -> Option<NormalSpread> {
+        let filter = self.filter.as_ref()?;
+        filter.spread(normal, tangents(normal), changes?)
+    }
+
+    /// The spread of normals around `normal` at a hit, where highlights are to be widened by it.
+    pub(super) fn spread_at(&self, ray: &Ray, hit: &Hit, normal: DVec3) -> Option<NormalSpread> {
+        self.spread(normal, self.changes(ray, hit).as_ref())
+    }
+
+    /// The highlight of a coat or metal, wider by `added`; others stay as they are.
+    fn widened<'b>(&self, bsdf: Bsdf<'b>, added: [f64; 2]) -> Bsdf<'b> {
+        match bsdf {
+            Bsdf::Conductor(model) if self.widens_mirrors || !model.is_smooth() => {
+                Bsdf::Conductor(model.widened(added))
+            }
+            Bsdf::Plastic(model) if self.widens_mirrors || !model.is_smooth() => {
+                Bsdf::Plastic(model.widened(added))
+            }
+            Bsdf::Diffuse(_)
+            | Bsdf::Conductor(_)
+            | Bsdf::Plastic(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::Foam(_)
+            | Bsdf::Sheet(_) => bsdf,
+        }
     }
 
     /// Radiance of a light over what it is transported as: a lamp in a medium of index n has the basic
@@ -381,6 +436,9 @@ pub(super) fn passed(ray: &Ray, hit: &Hit) -> Ray {
             Side::Outside
         },
         side_of: Some(hit.surface),
+        differential: ray
+            .differential
+            .map(|differential| differential.advanced(hit.t)),
         ..Ray::new(hit.position, ray.direction)
     }
 }

@@ -18,6 +18,7 @@ use meniscus::intersect::Counters;
 use meniscus::math::DVec3;
 use meniscus::scene::Scene;
 use meniscus::scene::camera::Camera;
+use meniscus_gpu::PeelWork;
 use passes::{Bench, PassFigures};
 use serde::Serialize;
 use std::io::Write;
@@ -46,6 +47,37 @@ struct BenchReport {
     blob_evaluations_per_ray: f64,
     #[serde(flatten)]
     clipping: Option<ClippingFigures>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    peel: Option<PeelFigures>,
+}
+
+/// What engine `peel` adds: of one primary pass, or per ray of it.
+#[derive(Debug, Serialize)]
+struct PeelFigures {
+    /// Time of the device by its own clock; 0 where it keeps none.
+    lists_secs: f64,
+    sprites_secs: f64,
+    solve_secs: f64,
+    /// Layers of sprites, summed over the rounds that rays are sent in.
+    layers: f64,
+    /// Balls in the lists of tiles.
+    listed: f64,
+    /// Rays that the tree answered.
+    left_fraction: f64,
+}
+
+impl PeelFigures {
+    fn of(work: &PeelWork, repeats: u32) -> Self {
+        let repeats = f64::from(repeats);
+        Self {
+            lists_secs: work.secs.lists / repeats,
+            sprites_secs: work.secs.sprites / repeats,
+            solve_secs: work.secs.solve / repeats,
+            layers: work.layers as f64 / repeats,
+            listed: work.listed as f64 / repeats,
+            left_fraction: work.left as f64 / work.rays.max(1) as f64,
+        }
+    }
 }
 
 /// A card's structure: bytes there, and medians in seconds. Own times are those of the card's clock, for what it builds;
@@ -129,7 +161,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         [paper, table @ ..] if paper.as_os_str() == "paper" && table.len() <= 1 => {
             let table = table.first().map(|table| table.to_string_lossy());
             let engine = EngineChoice::new(&args.engine)?;
-            let engine = engine.on_device(Some("bench paper"), &reporter)?;
+            let engine = paper::on_device(table.as_deref(), engine, &reporter)?;
             return paper::run(table.as_deref(), &engine, args.repeats, &reporter);
         }
         [only] => std::slice::from_ref(only),
@@ -174,14 +206,19 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         return Err(Failure::wrong("nothing to measure"));
     };
     let frame = &loaded.frame;
-    let camera = Camera::from_settings(&input.scene.camera, frame.framing_bounds(), args.size.0)
-        .map_err(|error| Failure::wrong(error.to_string()))?;
+    let camera = Camera::from_settings_at(
+        &input.scene.camera,
+        frame.framing_bounds(),
+        args.size.0,
+        input.scene.motion.time,
+    )
+    .map_err(|error| Failure::wrong(error.to_string()))?;
     let towards_light = frame.lights.iter().find_map(|light| match light {
         Light::Sun { towards, .. } => Some(*towards),
         _ => None,
     });
     let start = Instant::now();
-    let mut tracing = Tracing::of(engine.device.as_ref(), frame, &reporter)?;
+    let mut tracing = Tracing::seen_by(&camera, &engine, frame, &reporter)?;
     let upload_secs = start.elapsed().as_secs_f64();
     let send = || {
         let start = Instant::now();
@@ -225,6 +262,9 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         blob_evaluations_per_ray: measured.counters.blob_evaluations as f64 / rays,
         clipping: (engine.frame.engine == Engine::Sweep)
             .then(|| ClippingFigures::of(&measured.counters)),
+        peel: tracing
+            .peel_work()
+            .map(|work| PeelFigures::of(&work, args.repeats)),
     };
     reporter.finish();
     let text = if args.json {
@@ -287,6 +327,18 @@ fn table(report: &BenchReport) -> String {
             clipping.polynomials_per_ray,
             clipping.clip_iterations_per_polynomial,
             clipping.clip_failures
+        );
+    }
+    if let Some(peel) = &report.peel {
+        text += &format!(
+            "\npeel: lists {:.3} ms, sprites {:.3} ms, solve {:.3} ms by the card's own clock\n\
+             {:.0} layers, {:.0} balls listed, {:.2e} of the rays left to the tree",
+            peel.lists_secs * 1e3,
+            peel.sprites_secs * 1e3,
+            peel.solve_secs * 1e3,
+            peel.layers,
+            peel.listed,
+            peel.left_fraction
         );
     }
     text

@@ -120,10 +120,9 @@ impl Bench<'_> {
     /// The ray through the centre of a pixel.
     #[inline(always)]
     fn primary_ray(&self, [x, y]: [u32; 2]) -> Ray {
-        Ray {
-            time: time_at([x, y], self.shutter_secs),
-            ..self.camera.ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
-        }
+        let secs = time_at([x, y], self.shutter_secs);
+        let film = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+        self.camera.ray_at(film, secs)
     }
 
     /// Measures all passes.

@@ -122,10 +122,17 @@ impl<'a> Loader<'a> {
                 resumes,
             } => {
                 let input = watch.next(reporter)?;
+                let first = self.fixed.as_ref().and_then(Fixed::first_number);
                 Ok(input.map(|input| {
+                    let first = first.unwrap_or(input.number);
+                    let since_first = plan::frames_between(first, input.number);
                     let job = Job::of_frame(input, target);
                     let is_done = *resumes && plan::is_there(&job.output);
-                    Job { is_done, ..job }
+                    Job {
+                        since_first,
+                        is_done,
+                        ..job
+                    }
                 }))
             }
         }
@@ -144,15 +151,16 @@ impl<'a> Loader<'a> {
 
     fn build(&mut self, job: &Job, read: ReadFrame, reporter: &Reporter) -> Outcome<Ready<'a>> {
         let input = &job.input;
-        let scene = match &mut self.fixed {
+        let mut scene = match &mut self.fixed {
             Some(fixed) => fixed.scene(input, self.engine, reporter)?,
             None => (*input.scene).clone(),
         };
+        scene.motion.time += job.since_first / scene.motion.fps;
         reporter.stage("build");
         let loaded = load::build(input, &scene, &read.files, self.aov, self.engine, reporter)?;
         let start = Instant::now();
         // The frame before may still be rendered: a card has two in its memory then.
-        let tracing = Tracing::ahead(self.engine.device.as_ref(), &loaded.frame);
+        let tracing = Tracing::ahead(self.engine, &loaded.frame);
         Ok(Ready {
             scene: Arc::new(scene),
             read_secs: read.read_secs,

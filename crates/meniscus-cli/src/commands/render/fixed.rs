@@ -34,6 +34,11 @@ impl Fixed {
         self.first.get_or_insert_with(|| first.clone());
     }
 
+    /// Number of the first frame.
+    pub(super) fn first_number(&self) -> Option<u64> {
+        self.first.as_ref().map(|first| first.number)
+    }
+
     /// The scene of a frame with what the first one decides.
     pub(super) fn scene(
         &mut self,
@@ -43,7 +48,8 @@ impl Fixed {
     ) -> Outcome<Scene> {
         let mut scene = (*input.scene).clone();
         let camera = &scene.camera;
-        let camera_is_open = camera.eye.is_none() || camera.target.is_none();
+        let has_keys = !camera.keys.is_empty();
+        let camera_is_open = !has_keys && (camera.eye.is_none() || camera.target.is_none());
         let ground_is_open = scene.ground.as_ref().is_some_and(|g| g.height.is_none());
         if !camera_is_open && !ground_is_open && scene.surfaces.iter().all(has_size) {
             return Ok(scene);
@@ -56,8 +62,10 @@ impl Fixed {
                 self.found.insert(found)
             }
         };
-        scene.camera.eye.get_or_insert(found.eye);
-        scene.camera.target.get_or_insert(found.target);
+        if !has_keys {
+            scene.camera.eye.get_or_insert(found.eye);
+            scene.camera.target.get_or_insert(found.target);
+        }
         if let Some(ground) = &mut scene.ground {
             ground.height.get_or_insert(found.ground_height);
         }

@@ -41,8 +41,13 @@ pub(crate) struct FrameWork<'a> {
 /// The scene's camera; what is open frames the objects.
 pub(crate) fn camera(scene: &Scene, frame: &Frame) -> Outcome<Camera> {
     let size = [scene.film.width, scene.film.height];
-    Camera::from_settings(&scene.camera, frame.framing_bounds(), size)
-        .map_err(|error| Failure::wrong(error.to_string()))
+    Camera::from_settings_at(
+        &scene.camera,
+        frame.framing_bounds(),
+        size,
+        scene.motion.time,
+    )
+    .map_err(|error| Failure::wrong(error.to_string()))
 }
 
 /// Samples that a pixel got on average.
@@ -146,7 +151,7 @@ impl FrameWork<'_> {
         let start = Instant::now();
         let tracing = match &self.ready.tracing {
             Some(tracing) => Arc::clone(tracing),
-            None => Arc::new(Tracing::of(self.engine.device.as_ref(), frame, reporter)?),
+            None => Arc::new(Tracing::seen_by(camera, self.engine, frame, reporter)?),
         };
         let upload_secs = start.elapsed().as_secs_f64();
         let advance = |done, total| reporter.advance(done, total);
@@ -155,11 +160,20 @@ impl FrameWork<'_> {
             .with_callback(&advance);
         let rendered = match &*tracing {
             Tracing::Cpu => CpuBackend.render(frame, camera, &settings, self.state, &progress),
-            Tracing::Gpu(tracer) => DeviceBackend {
-                name: "gpu",
-                tracer: &**tracer,
+            Tracing::Gpu(tracer) => {
+                let backend = DeviceBackend {
+                    name: "gpu",
+                    tracer: &**tracer,
+                };
+                backend.render(frame, camera, &settings, self.state, &progress)
             }
-            .render(frame, camera, &settings, self.state, &progress),
+            Tracing::Peel(tracer) => {
+                let backend = DeviceBackend {
+                    name: "gpu",
+                    tracer: &**tracer,
+                };
+                backend.render(frame, camera, &settings, self.state, &progress)
+            }
         };
         tracing.tell(reporter);
         rendered

@@ -23,6 +23,8 @@ pub(crate) struct Job {
     pub interval: Option<Interval>,
     /// Its file.
     pub output: PathBuf,
+    /// When it is, in pictures since the first one of the whole sequence.
+    pub since_first: f64,
     /// How far the camera is turned around the object, in radians.
     pub turn: f64,
     /// Whether it shows the same particles as the picture before.
@@ -54,6 +56,7 @@ impl Job {
             input: Arc::new(input),
             interval: None,
             output,
+            since_first: 0.0,
             turn: 0.0,
             is_same_frame: false,
             is_done: false,
@@ -67,8 +70,11 @@ pub(crate) fn frames(inputs: Inputs, target: &Target) -> Outcome<Vec<Job>> {
     let Inputs {
         mut frames,
         is_sequence,
+        first,
+        step,
         ..
     } = inputs;
+    let mut first_number = first.number;
     if let Target::Picture(output) = target
         && frames.len() > 1
     {
@@ -84,9 +90,18 @@ pub(crate) fn frames(inputs: Inputs, target: &Target) -> Outcome<Vec<Job>> {
         && let [only] = &frames[..]
     {
         frames = steps_of(only)?;
+        first_number = frames.first().map_or(0, |first| first.number);
     }
-    let frames = frames.into_iter();
-    Ok(frames.map(|frame| Job::of_frame(frame, target)).collect())
+    let jobs = frames.into_iter().map(|frame| Job {
+        since_first: frames_between(first_number, frame.number) / step.max(1) as f64,
+        ..Job::of_frame(frame, target)
+    });
+    Ok(jobs.collect())
+}
+
+/// How much later a frame's number is.
+pub(super) fn frames_between(first: u64, number: u64) -> f64 {
+    number.saturating_sub(first) as f64
 }
 
 /// Most pictures of a slow motion.
@@ -98,6 +113,7 @@ const SAME_MOMENT: f64 = 1e-9;
 /// frames are missing the way over the gap takes as long as it would with them.
 pub(crate) fn moments(inputs: Inputs, target: &Target, factor: f64) -> Outcome<Vec<Job>> {
     let (is_sequence, all_step) = (inputs.is_sequence, inputs.step as f64);
+    let first_of_all = inputs.first.number;
     let frames = match &inputs.frames[..] {
         [only] if !is_sequence => steps_of(only)?,
         _ => inputs.frames,
@@ -135,6 +151,10 @@ pub(crate) fn moments(inputs: Inputs, target: &Target, factor: f64) -> Outcome<V
     let kept_of = format!("{factor}_from_{first}_to_{last}_by_{step}");
     // Frames of the input, of which a selection may leave some out, in times of the selection.
     let unit = step / all_step.max(1.0);
+    let skipped = match is_sequence {
+        true => frames_between(first_of_all, numbers[0]) / all_step.max(1.0),
+        false => 0.0,
+    };
     let mut at = 0;
     let jobs = (0..count).map(|moment| {
         let time = moment as f64 / factor;
@@ -163,6 +183,7 @@ pub(crate) fn moments(inputs: Inputs, target: &Target, factor: f64) -> Outcome<V
             input: frames[start].clone(),
             interval: Some(interval),
             output: target.path(&number, &format!("slow_{number}_x{kept_of}")),
+            since_first: (skipped + time * unit) * factor,
             turn: 0.0,
             is_same_frame: false,
             is_done: false,
@@ -205,6 +226,7 @@ pub(crate) fn turns(inputs: Inputs, target: &Target, count: u32) -> Outcome<Vec<
                 &format!("{turn:0width$}"),
                 &format!("turn_{turn:0width$}_of_{count}_of_frame_{}", frame.text),
             ),
+            since_first: 0.0,
             turn: f64::from(turn) * step,
             is_same_frame: turn > 0,
             is_done: false,

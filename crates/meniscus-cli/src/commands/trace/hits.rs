@@ -84,7 +84,7 @@ impl Answers {
                     Tracing::Cpu => traced(rays, reporter, |ray, scratch| {
                         ray.is_traceable() && frame.any_hit(ray, scratch)
                     })?,
-                    Tracing::Gpu(_) => {
+                    Tracing::Gpu(_) | Tracing::Peel(_) => {
                         traced_together(rays, tracing, reporter, |rays, scratch| {
                             let mut hits = vec![false; rays.len()];
                             let asked = only_traceable(rays);
@@ -111,7 +111,7 @@ impl Answers {
                         let hit = traceable.then(|| frame.closest_hit(ray, scratch)).flatten();
                         closest(frame, &layout, ray, hit, scratch)
                     })?,
-                    Tracing::Gpu(_) => {
+                    Tracing::Gpu(_) | Tracing::Peel(_) => {
                         traced_together(rays, tracing, reporter, |rays, scratch| {
                             let mut hits = vec![None; rays.len()];
                             let asked = only_traceable(rays);
@@ -315,7 +315,8 @@ fn closest(
         let field = &blobs.field;
         let row = hit.blob.and_then(|blob| field.rows.get(blob as usize));
         id = row.map_or(-1, |&row| i64::from(row));
-        let local = instance.object_from_world.transform_point3(hit.position) - field.origin;
+        let object_from_world = instance.at(ray.time).object_from_world;
+        let local = object_from_world.transform_point3(hit.position) - field.origin;
         for (index, attribute) in field.attributes.iter().enumerate() {
             let mut offset = 0;
             for (name, components) in layout {

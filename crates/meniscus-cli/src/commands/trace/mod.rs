@@ -42,7 +42,12 @@ pub(crate) fn run(args: &TraceArgs) -> Outcome {
         }
     };
     let rays = rays::read(&args.rays)?;
-    let engine = engine.on_device(args.all.then_some("--all"), &reporter)?;
+    let undoable = if engine.is_peel {
+        Some("rays from a file, which are no camera's")
+    } else {
+        args.all.then_some("--all")
+    };
+    let engine = engine.on_device(undoable, &reporter)?;
     reporter.start(1);
     // The shutter is open as long as rays ask for.
     let mut scene = (*input.scene).clone();

@@ -1,93 +1,11 @@
-// Walks the tree over particles stretch by stretch: twin of intersect/particles/.
-//
-// A walk gathers the blobs that the ray meets between `from` and the end of the stretch, which lies a
-// fixed length behind the first support met: nearest boxes first, and boxes behind the end are passed
-// over. The end only ever moves towards the ray's start, so the list is whole wherever the walk ends.
-// Where it is full the end moves nearer still.
+// Walks the tree over particles for what reaches a ray: twin of intersect/particles/. Nearest boxes come
+// first, and boxes behind the stretch's end are passed over.
 
-struct HitRecord {
-    status: u32,
-    // t is the sum of both, counted from where the ray enters the tree's box.
-    base: f32,
-    along: f32,
-    strongest: u32,
-    // −∇F.
-    outward: vec3f,
-    is_entering: u32,
-}
-
-@group(0) @binding(1) var<storage, read> rays: array<LocalRay>;
-@group(0) @binding(2) var<storage, read_write> hits: array<HitRecord>;
-
-const MISS: u32 = 0u;
-const HIT: u32 = 1u;
-// f32 cannot tell: the CPU answers.
-const IN_DOUBT: u32 = 2u;
-// More blobs overlap than the list has room for.
-const NO_ROOM: u32 = 3u;
-
-// A ray that takes more stretches than this would hold up all others.
-const MOST_STRETCHES: u32 = 4096u;
-// After so many stretches in a row without a crossing, each is twice as long as the one before, as long
-// as few blobs are met: a large blob among small ones would be walked through in their steps.
-const QUIET_STRETCHES: u32 = 4u;
-const FEW_BLOBS: u32 = 24u;
-// Halvings of a stretch whose blobs do not fit.
-const MOST_HALVINGS: u32 = 12u;
-// g this little below 0 may be rounding.
-const NEXT_TO: f32 = 1e-3;
 // By how much f32 may see a blob at the limit of what it resolves wider than it is, in its support.
 const FINE_ROUNDING: f32 = 6e-5;
-// Of F, relative: what float64 has to decide.
-const SIDE_NOISE: f32 = 2e-5;
-
 // References to what is still to be visited, the nearest last, and where the ray enters it.
 var<private> pending: array<vec2u, STACK>;
 var<private> height: u32;
-
-// The stretch.
-var<private> stretch_start: f32;
-var<private> stretch_end: f32;
-// MISS as long as the walk is whole.
-var<private> trouble: u32;
-
-// Whether a blob reaches the ray between two places, counted from `base`.
-fn reaches(blob: vec4f, from_at: f32, to_at: f32) -> bool {
-    let away = clamp(blob.x, from_at, to_at) - blob.x;
-    return blob.z - blob.y * away * away > 0.0;
-}
-
-// Drops what does not reach the stretch behind `from_at`.
-fn drop_what_is_beyond(from_at: f32) {
-    let low = from_at - base;
-    let high = stretch_end - base;
-    var kept = 0u;
-    for (var i = 0u; i < count; i++) {
-        let blob = met(i);
-        if reaches(blob, low, high) {
-            if kept != i {
-                keep(kept, blob, met_word(i));
-            }
-            kept++;
-        }
-    }
-    count = kept;
-}
-
-fn make_room(from_at: f32) {
-    drop_what_is_beyond(from_at);
-    for (var i = 0u; i < MOST_HALVINGS && count == params.capacity; i++) {
-        let middle = stretch_start + 0.5 * (stretch_end - stretch_start);
-        if !(middle > from_at) {
-            break;
-        }
-        stretch_end = middle;
-        drop_what_is_beyond(from_at);
-    }
-    if count == params.capacity {
-        trouble = NO_ROOM;
-    }
-}
 
 fn visit_leaf(reference: u32, near: f32, from_at: f32, reach: f32) {
     let first = params.leaves_at + (reference & ~LEAF) * LEAF_WORDS;
@@ -195,192 +113,20 @@ fn gather(from_at: f32, reach: f32) {
     }
 }
 
-// F at a place, and the sum of the sizes of its parts.
-fn field_at(along: f32) -> vec2f {
-    var sums = vec2f(0.0);
-    for (var i = 0u; i < count; i++) {
-        let blob = met(i);
-        let away = along - blob.x;
-        let g = max(blob.z - blob.y * away * away, 0.0);
-        let part = blob.w * kernel_of_g(vec4f(g)).x;
-        sums += vec2f(part, abs(part));
-    }
-    return sums;
-}
-
-// An upper bound of the field between two places.
-fn upper_bound(from_at: f32, to_at: f32) -> f32 {
-    var sum = 0.0;
-    for (var i = 0u; i < count; i++) {
-        let blob = met(i);
-        let away = clamp(blob.x, from_at, to_at) - blob.x;
-        let most = max(blob.z - blob.y * away * away, 0.0);
-        sum += max(blob.w, 0.0) * kernel_of_g(vec4f(most)).x;
-    }
-    return sum;
-}
-
-// −∇F and the strongest blob at a place of the stretch.
-fn surface_at(along: f32) -> HitRecord {
-    var outward = vec3f(0.0);
-    var strongest = NONE;
-    var strength = -1.0;
-    for (var i = 0u; i < count; i++) {
-        let blob = met(i);
-        let away = along - blob.x;
-        if blob.z - blob.y * away * away < -NEXT_TO {
-            continue;
-        }
-        let at = met_word(i);
-        let leaf = at - (at - params.leaves_at) % LEAF_WORDS;
-        let center = bitcast<vec3f>(heap(leaf).xyz);
-        let head = heap(at);
-        let point = point_relative_to(center, base) + ray.direction * along;
-        let y = blob_transform(at, head, point - blob_center(at, head));
-        let g = max(1.0 - dot(y, y), 0.0);
-        let part = abs(blob.w * kernel_of_g(vec4f(g)).x);
-        outward += (2.0 * blob.w * kernel_slope(g)) * blob_transform_transposed(at, head, y);
-        if part > strength {
-            strength = part;
-            strongest = blob_index(at);
-        }
-    }
-    return HitRecord(HIT, base, along, strongest, outward, select(1u, 0u, is_inside));
-}
-
-fn nothing(status: u32) -> HitRecord {
-    return HitRecord(status, 0.0, 0.0, NONE, vec3f(0.0), 0u);
-}
-
-fn trace(wants_any: bool) -> HitRecord {
+fn prepare() {
     prepare_slabs();
-    let starts_at_t_min = (ray.flags & STARTS_AT_T_MIN) != 0u;
-    var side_is_proven = (ray.flags & SIDE_IS_PROVEN) != 0u;
-    var asks_side = (ray.flags & ASKS_SIDE) != 0u;
-    is_inside = (ray.flags & STARTS_INSIDE) != 0u;
-    var on_stated_side = side_is_proven && !starts_at_t_min;
-    // Up to here the ray is solved.
-    var solved = 0.0;
-    var reach = params.longest;
-    var quiet = 0u;
-    for (var step = 0u; step < MOST_STRETCHES; step++) {
-        gather(solved, reach);
-        if trouble != MISS {
-            return nothing(trouble);
-        }
-        if asks_side {
-            let sums = field_at(-base);
-            let above = sums.x - params.threshold;
-            if abs(above) <= SIDE_NOISE * max(max(params.threshold, 1.0), sums.y) {
-                return nothing(IN_DOUBT);
-            }
-            is_inside = above > 0.0;
-            side_is_proven = true;
-            asks_side = false;
-        }
-        if count == 0u {
-            return nothing(MISS);
-        }
-        // No support reaches the ray before.
-        if stretch_start > max(solved, params.rounding) && !(is_inside && on_stated_side) {
-            solved = stretch_start;
-            on_stated_side = on_stated_side || !is_inside;
-        }
-        if !(stretch_end > solved) {
-            if stretch_end >= ray.length {
-                return nothing(MISS);
-            }
-            // Supports below the rounding of places along the ray.
-            return nothing(IN_DOUBT);
-        }
-        drop_what_is_beyond(solved);
-        let from_at = solved - base;
-        let to_at = stretch_end - base;
-        quiet++;
-        if count > FEW_BLOBS {
-            reach = params.longest;
-            quiet = 0u;
-        } else if quiet > QUIET_STRETCHES {
-            reach *= 2.0;
-        }
-        if !is_inside && upper_bound(from_at, to_at) < params.threshold {
-            on_stated_side = true;
-        } else {
-            let away_from_start = solved > params.rounding || !starts_at_t_min;
-            var entry = UNCONFIRMED;
-            if side_is_proven || (on_stated_side && away_from_start) {
-                entry = CONFIRMED;
-            } else if away_from_start {
-                entry = RETURNING;
-            }
-            let own_reach = select(-1.0, params.near_start, starts_at_t_min && !side_is_proven);
-            // That there is a crossing is enough.
-            let any_place = wants_any && solved > own_reach;
-            let tolerance = select(params.tolerance, 3e38, any_place);
-            let verdict = first_crossing(from_at, to_at, entry, tolerance);
-            if verdict.kind == CROSSING {
-                if base + verdict.at <= own_reach {
-                    return nothing(IN_DOUBT);
-                }
-                if wants_any {
-                    return nothing(HIT);
-                }
-                return surface_at(verdict.at);
-            }
-            if verdict.kind == UNCLEAR {
-                return nothing(IN_DOUBT);
-            }
-            on_stated_side = on_stated_side || verdict.kind == STAYS_ON_SIDE;
-        }
-        solved = stretch_end;
-        if solved >= ray.length {
-            return nothing(MISS);
-        }
-    }
-    return nothing(IN_DOUBT);
 }
 
-// llvmpipe lets all loops of an invocation together run 65535 rounds, then leaves each after its first:
-// sums lack parts, and nothing says so. A loop whose rounds are known does.
-fn if_whole(record: HitRecord) -> HitRecord {
-    var rounds = 0u;
-    for (var i = 0u; i < params.capacity; i++) {
-        rounds++;
-    }
-    if rounds != params.capacity {
-        return nothing(IN_DOUBT);
-    }
-    return record;
-}
-
-fn number_of(group: vec3u, groups: vec3u, lane: u32) -> u32 {
-    return (group.y * groups.x + group.x) * WORKGROUP + lane;
-}
-
-@compute @workgroup_size(WORKGROUP)
-fn closest(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let index = number_of(group, groups, lane);
-    if index < params.rays {
-        ray = rays[index];
-        first_met = (index - lane) * params.capacity + lane;
-        hits[index] = if_whole(trace(false));
-    }
-}
-
-@compute @workgroup_size(WORKGROUP)
-fn occluded(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let index = number_of(group, groups, lane);
-    if index < params.rays {
-        ray = rays[index];
-        first_met = (index - lane) * params.capacity + lane;
-        hits[index] = if_whole(trace(true));
-    }
+fn blob_there(word: u32, along: f32) -> BlobThere {
+    let leaf = word - (word - params.leaves_at) % LEAF_WORDS;
+    let center = bitcast<vec3f>(heap(leaf).xyz);
+    let head = heap(word);
+    let point = point_relative_to(center, base) + ray.direction * along;
+    let y = blob_transform(word, head, point - blob_center(word, head));
+    return BlobThere(
+        1.0 - dot(y, y),
+        blob_weight(word),
+        blob_index(word),
+        blob_transform_transposed(word, head, y),
+    );
 }

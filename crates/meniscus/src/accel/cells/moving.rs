@@ -35,11 +35,14 @@ const COHERENT_BALLS: f64 = 0.3;
 const COHERENT_ELLIPSOIDS: f64 = 0.1;
 
 /// Whether neighbouring blobs move alike enough for cells: by how far they depart from the way of the
-/// group that they are in, in the root mean square.
+/// group that they are in, in the root mean square. Blobs that turn never do.
 pub(super) fn is_coherent(field: &BlobField) -> bool {
     let Some(motion) = &field.motion else {
         return true;
     };
+    if motion.turns() {
+        return false;
+    }
     let groups: Vec<&[u32]> = field.support_tree().groups().collect();
     // Groups in a fixed order, so that the sums do not depend on the number of threads.
     let parts: Vec<f64> = groups

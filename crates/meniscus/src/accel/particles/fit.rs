@@ -1,7 +1,7 @@
 //! Boxes and leaf contents of a tree whose topology stands: the last step of a build, and all of a
 //! refit.
 
-use super::layout::{Node, columns, leaf_blocks};
+use super::layout::{MOTION_COLUMNS, Node, columns, leaf_blocks};
 use crate::accel::cells::layout::{Block, LANES, LEAF, LeafHeader};
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
@@ -90,9 +90,9 @@ pub(super) fn inner_level(field: &BlobField) -> f32 {
 pub(super) fn leaves_of<P: Primitive>(
     ranges: &[Range<usize>],
     order: &[u32],
-    moves: bool,
+    motion_columns: usize,
 ) -> Vec<Block> {
-    let per_leaf = leaf_blocks::<P>(moves);
+    let per_leaf = leaf_blocks::<P>(motion_columns);
     let mut blocks = vec![Block::ZERO; per_leaf * ranges.len()];
     blocks
         .par_chunks_mut(per_leaf)
@@ -140,7 +140,12 @@ pub(super) fn fit_leaf<P: Primitive>(
         let mut columns = [0.0; 6];
         P::pack(&field.shapes, i, &mut columns[..P::COLUMNS]);
         let (offset, weight) = if slot < count {
-            steepest = steepest.max(columns.iter().map(|a| a * a).sum());
+            let turned = match &field.motion {
+                Some(motion) if motion.turns() => motion.most_turn(i) as f32,
+                Some(_) | None => 1.0,
+            };
+            let square: f32 = columns.iter().map(|a| a * a).sum();
+            steepest = steepest.max(square * turned * turned);
             let offset = (field.at(middle).center(i) - center.as_dvec3()).as_vec3();
             (offset.to_array(), field.weights[i])
         } else {
@@ -159,6 +164,14 @@ pub(super) fn fit_leaf<P: Primitive>(
             for axis in 0..3 {
                 rates[axis].0[slot] = there[axis] as f32;
                 rates[3 + axis].0[slot] = half[axis] as f32;
+            }
+            if motion.turns() {
+                for (column, &rate) in rates[MOTION_COLUMNS..]
+                    .iter_mut()
+                    .zip(&motion.velocity_gradients[i])
+                {
+                    column.0[slot] = rate;
+                }
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The nodes of `particles`: eight-wide, children behind their parents; and its leaves, which are those
 //! of [`cells`](crate::accel::cells::layout) with one chunk each and columns for what moves.
 
+use crate::field::BlobField;
 use crate::primitive::Primitive;
 
 /// Eight children: their boxes axis by axis, and where they are.
@@ -41,7 +42,19 @@ pub const fn columns<P: Primitive>() -> usize {
 /// x, y and z are taken too, and half its acceleration.
 pub const MOTION_COLUMNS: usize = 6;
 
+/// Columns of a blob that turns and stretches, behind those: its velocity gradient, row by row.
+pub const TURN_COLUMNS: usize = 9;
+
+/// Columns that a blob of `field` has for its motion.
+pub fn motion_columns(field: &BlobField) -> usize {
+    match &field.motion {
+        None => 0,
+        Some(motion) if motion.turns() => MOTION_COLUMNS + TURN_COLUMNS,
+        Some(_) => MOTION_COLUMNS,
+    }
+}
+
 /// Blocks of a leaf: its header and the columns.
-pub const fn leaf_blocks<P: Primitive>(moves: bool) -> usize {
-    1 + columns::<P>() + if moves { MOTION_COLUMNS } else { 0 }
+pub const fn leaf_blocks<P: Primitive>(motion_columns: usize) -> usize {
+    1 + columns::<P>() + motion_columns
 }

@@ -37,6 +37,8 @@ pub struct ParticleTree {
     pub shutter_secs: [f64; 2],
     /// Leaves, each a header and one chunk of blobs; see [`layout`].
     pub blocks: Vec<Block>,
+    /// Columns that leaves have for their blobs' motion, see [`layout::motion_columns`].
+    pub motion_columns: usize,
     /// Local box around all supports.
     pub bounds: Option<Aabb>,
     /// Number of leaves.
@@ -50,6 +52,15 @@ pub struct ParticleTree {
     /// tree was built.
     cost: f32,
     cost_when_built: f32,
+}
+
+/// A time within the shutter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeafTimes {
+    /// Since the middle of the shutter, where the blobs' places are taken.
+    pub since_middle_secs: f32,
+    /// Since the frame's time, where their shapes are.
+    pub since_frame_secs: f32,
 }
 
 /// A refitted tree is worn where rays meet this many times the boxes of the one that was built.
@@ -86,10 +97,12 @@ impl ParticleTree {
 
     fn from_topology<P: Primitive>(field: &BlobField, topology: Topology, order: Vec<u32>) -> Self {
         let Topology { nodes, leaves } = topology;
+        let motion_columns = layout::motion_columns(field);
         let mut tree = Self {
             nodes,
-            blocks: fit::leaves_of::<P>(&leaves, &order, field.motion.is_some()),
+            blocks: fit::leaves_of::<P>(&leaves, &order, motion_columns),
             leaves: leaves.len(),
+            motion_columns,
             ..Self::default()
         };
         tree.fit::<P>(field);
@@ -106,7 +119,8 @@ impl ParticleTree {
     /// the same leaves. Right for any motion, good for small ones ([`ParticleTree::is_worn`]).
     ///
     /// # Panics
-    /// If `field` does not have the blobs that the tree was built of, or moves and the other did not.
+    /// If `field` does not have the blobs that the tree was built of, or moves or turns and the other did
+    /// not.
     pub fn refit(&mut self, field: &BlobField) {
         match field.shapes {
             Shapes::Balls(_) => self.fit::<Ball>(field),
@@ -123,10 +137,9 @@ impl ParticleTree {
         if self.leaves == 0 {
             return;
         }
-        let moves = field.motion.is_some();
         let fitted: Vec<[Aabb; 2]> = self
             .blocks
-            .par_chunks_mut(layout::leaf_blocks::<P>(moves))
+            .par_chunks_mut(layout::leaf_blocks::<P>(self.motion_columns))
             .map(|leaf| fit::fit_leaf::<P>(field, &measures, leaf))
             .collect();
         let (bounds, cost) = fit::fit_nodes(&mut self.nodes, &mut [], |leaf| fitted[leaf][0]);
@@ -146,10 +159,14 @@ impl ParticleTree {
         !self.closing.is_empty()
     }
 
-    /// Seconds from the middle of the shutter, where the leaves' blobs are taken, to a time within it.
-    pub fn since_middle_secs(&self, time_secs: f64) -> f32 {
+    /// A time as the leaves' blobs count it.
+    pub fn times(&self, time_secs: f64) -> LeafTimes {
         let [open, close] = self.shutter_secs;
-        (time_secs.clamp(open, close) - 0.5 * (open + close)) as f32
+        let clamped = time_secs.clamp(open, close);
+        LeafTimes {
+            since_middle_secs: (clamped - 0.5 * (open + close)) as f32,
+            since_frame_secs: clamped as f32,
+        }
     }
 
     /// Memory held.

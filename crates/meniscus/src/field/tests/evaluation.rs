@@ -3,10 +3,8 @@
 use super::{build, pool, random, unit, with_columns};
 use crate::field::{BlobField, Contribution};
 use crate::kernel::Kernel;
-use crate::math::dual::Dual;
 use crate::math::ray::Side;
 use crate::particles::{Column, Particles};
-use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
 use crate::scene::surface::{BlobSettings, Weights};
 use glam::{DMat3, DVec3};
 
@@ -146,7 +144,7 @@ fn value_of_all(field: &BlobField, local: DVec3) -> f64 {
         .sum()
 }
 
-fn fields() -> Vec<BlobField> {
+pub(super) fn fields() -> Vec<BlobField> {
     let mut next = random(8);
     let signs: Vec<f64> = (0..512).map(|_| next() - 0.3).collect();
     let radii: Vec<f64> = (0..512).map(|_| (-12.0 * next()).exp2()).collect();
@@ -296,58 +294,4 @@ fn blends_with_negative_weights_overshoot_and_survive_cancellation() {
     assert_eq!(blend([0.0, 0.0]), 0.0);
     let middle = DVec3::X * 0.5 - field.origin;
     assert!((field.attribute(0, middle)[0] - 15.0).abs() < 1e-6);
-}
-
-/// F in dual numbers, from the formulas that the engines are compiled against.
-fn dual_value(field: &BlobField, local: DVec3) -> Dual<3> {
-    let point = Dual::variables(local.to_array());
-    (0..field.len()).fold(Dual::constant(0.0), |sum, i| {
-        let d = [0, 1, 2].map(|k| point[k] - Dual::constant(f64::from(field.centers[i][k])));
-        let y = match &field.shapes {
-            Shapes::Balls(radii) => {
-                Ball::transform(&[Dual::constant(1.0 / f64::from(radii[i]))], d)
-            }
-            Shapes::Ellipsoids(factors) => {
-                Ellipsoid::transform(&factors[i].0.map(|a| Dual::constant(f64::from(a))), d)
-            }
-        };
-        let q = y[0] * y[0] + y[1] * y[1] + y[2] * y[2];
-        if q.value >= 1.0 {
-            return sum;
-        }
-        let g = q * -1.0 + 1.0;
-        let coefficients = field.kernel.coefficients_in_g().iter().rev();
-        let k = coefficients.fold(Dual::constant(0.0), |sum, &c| sum * g + Dual::constant(c));
-        sum + k * Dual::constant(f64::from(field.weights[i]))
-    })
-}
-
-#[test]
-fn gradient_and_hessian_are_the_derivatives_of_the_value() {
-    for field in fields() {
-        for i in (0..field.len()).step_by(7) {
-            let half = DVec3::from_array(field.shapes.half_extents(i).map(f64::from));
-            let point = field.center(i).as_dvec3() + half * DVec3::new(0.3, -0.2, 0.1);
-            let expected = dual_value(&field, point);
-            assert!((field.value(point) - expected.value).abs() < 1e-12);
-            let gradient = DVec3::from_array(expected.gradient);
-            let error = (field.gradient(point) - gradient).length();
-            assert!(
-                error <= 1e-7 * gradient.length() + 1e-12,
-                "{error} of {gradient}"
-            );
-            let hessian = DMat3::from_cols_array_2d(&expected.hessian);
-            let size = |m: DMat3| {
-                m.to_cols_array()
-                    .into_iter()
-                    .fold(0.0, |s: f64, e| s.max(e.abs()))
-            };
-            let error = size(field.hessian(point) - hessian);
-            assert!(
-                error <= 1e-6 * size(hessian) + 1e-12,
-                "{error} of {}",
-                size(hessian)
-            );
-        }
-    }
 }

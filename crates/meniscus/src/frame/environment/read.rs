@@ -207,6 +207,19 @@ mod tests {
         std::fs::write(&promised, bytes).unwrap();
         let error = Environment::read(&promised, AXES, 0.0).unwrap_err();
         assert!(error.to_string().contains("cannot hold"), "{error}");
+        // One whose first channel then states a sample every 0 columns.
+        let sampled = folder.path().join("sampled.exr");
+        exr::prelude::write_rgb_file(&sampled, 8, 4, |_, _| (1.0_f32, 1.0_f32, 1.0_f32)).unwrap();
+        let mut bytes = std::fs::read(&sampled).unwrap();
+        let key = b"channels\0chlist\0";
+        let list = bytes.windows(key.len()).position(|w| w == key).unwrap() + key.len() + 4;
+        // Its name, a letter and its end; its type; whether it is linear, with three reserved bytes.
+        let at = list + 2 + 4 + 4;
+        assert_eq!(bytes[at..at + 4], 1_u32.to_le_bytes());
+        bytes[at..at + 4].fill(0);
+        std::fs::write(&sampled, bytes).unwrap();
+        let error = Environment::read(&sampled, AXES, 0.0).unwrap_err();
+        assert!(error.to_string().contains("every 0 pixels"), "{error}");
         let gone = Environment::read(Path::new("gone.hdr"), AXES, 0.0);
         assert!(gone.unwrap_err().to_string().contains("cannot be read"));
     }

@@ -1,9 +1,10 @@
 //! The field's gradient at a crossing, from the blobs that are there.
 
 use super::pool::Pool;
+use super::turning::Turning;
 use crate::accel::cells::layout::{Block, LANES, LeafHeader};
-use crate::accel::particles::ParticleTree;
-use crate::accel::particles::layout::{columns, leaf_blocks};
+use crate::accel::particles::layout::{MOTION_COLUMNS, TURN_COLUMNS, columns, leaf_blocks};
+use crate::accel::particles::{LeafTimes, ParticleTree};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::math::simd::xyz;
@@ -16,6 +17,13 @@ use glam::{DVec3, Vec3};
 #[derive(Debug, Default)]
 pub(super) struct NearHit {
     chunks: Vec<Block>,
+    /// Columns of a chunk.
+    width: usize,
+}
+
+/// A leaf's columns of velocity gradients, if any, among those of its motion.
+fn turns_of(motion: &[Block]) -> &[Block] {
+    motion.get(MOTION_COLUMNS..).unwrap_or_default()
 }
 
 impl NearHit {
@@ -25,15 +33,18 @@ impl NearHit {
     pub(super) fn collect<S: Simd, P: Primitive>(
         &mut self,
         simd: S,
-        (tree, since_middle_secs): (&ParticleTree, f32),
+        (tree, times): (&ParticleTree, LeafTimes),
         pool: &Pool,
         place: (f32, f32),
         at: DVec3,
     ) {
         self.chunks.clear();
         let mut lane_to = LANES;
-        let per_leaf = leaf_blocks::<P>(tree.moves());
-        let secs = f64::from(since_middle_secs);
+        let per_leaf = leaf_blocks::<P>(tree.motion_columns);
+        let turns = tree.motion_columns > MOTION_COLUMNS;
+        self.width = columns::<P>() + if turns { TURN_COLUMNS } else { 0 };
+        let width = self.width;
+        let secs = f64::from(times.since_middle_secs);
         pool.for_each_at(
             simd,
             place,
@@ -45,10 +56,10 @@ impl NearHit {
                 let (from, rates) = leaf.split_at(columns::<P>());
                 if lane_to == LANES {
                     lane_to = 0;
-                    let longer = self.chunks.len() + columns::<P>();
+                    let longer = self.chunks.len() + width;
                     self.chunks.resize(longer, Block::ZERO);
                 }
-                let first = self.chunks.len() - columns::<P>();
+                let first = self.chunks.len() - width;
                 let to = &mut self.chunks[first..];
                 let offset = Vec3::from_array(header.center).as_dvec3() - at;
                 for axis in 0..3 {
@@ -62,6 +73,9 @@ impl NearHit {
                 for k in 3..columns::<P>() {
                     to[k].0[lane_to] = from[k].0[lane];
                 }
+                for (to, rates) in to[columns::<P>()..].iter_mut().zip(turns_of(rates)) {
+                    to.0[lane_to] = rates.0[lane];
+                }
                 lane_to += 1;
             },
         );
@@ -72,30 +86,36 @@ impl NearHit {
     pub(super) fn outward_and_strongest<S: Simd, K: KernelShape, P: Primitive>(
         &self,
         simd: S,
+        times: LeafTimes,
     ) -> (DVec3, u32) {
         let zero = f32x16::splat(simd, 0.0);
         let mut sum = [zero; 3];
         let mut best = f32x16::splat(simd, -1.0);
         let mut best_index = u32x16::splat(simd, u32::MAX);
-        for chunk in self.chunks.chunks_exact(columns::<P>()) {
+        for chunk in self.chunks.chunks_exact(self.width.max(1)) {
             let column = |k: usize| f32x16::from_slice(simd, &chunk[k].0);
             let mut shape = [zero; 6];
             for k in 0..P::COLUMNS {
                 shape[k] = column(3 + k);
             }
             let shape = &shape[..P::COLUMNS];
-            let y = P::transform(
-                shape,
-                xyz(
-                    #[inline(always)]
-                    |k| -column(k),
-                ),
+            let mut d = xyz(
+                #[inline(always)]
+                |k| -column(k),
             );
+            let turns = chunk.len() > columns::<P>();
+            if turns {
+                d = Turning::of(simd, &chunk[columns::<P>()..], times).turned(d);
+            }
+            let y = P::transform(shape, d);
             let g = (dot(y, y) * -1.0 + 1.0).max(zero);
             let weight = column(3 + P::COLUMNS);
-            // ∂g/∂x = −2 Aᵀy, so −∇F sums w·k′(g)·2·Aᵀy.
+            // ∂g/∂x = −2 Aᵀy, so −∇F sums w·k′(g)·2·Aᵀy, with A·N in the place of A where blobs turn.
             let scale = weight * K::slope(g) * 2.0;
-            let pull = P::transform_transposed(shape, y);
+            let mut pull = P::transform_transposed(shape, y);
+            if turns {
+                pull = Turning::of(simd, &chunk[columns::<P>()..], times).turned_back(pull);
+            }
             for k in 0..3 {
                 sum[k] = Number::mul_add(scale, pull[k], sum[k]);
             }

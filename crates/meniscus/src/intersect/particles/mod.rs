@@ -5,6 +5,7 @@
 mod ends;
 mod gradient;
 mod pool;
+mod turning;
 
 use super::solve::{
     Active, FirstCrossing, LocalRay, Pending, Question, Search, Solver, local_ray, meets_fine_blob,
@@ -84,13 +85,13 @@ pub(super) fn closest_by<V: FirstCrossing>(
             let t = local.parameter(ray, along);
             let at = ray.at(t) - blobs.field.origin;
             let place = (from, (along - f64::from(from)) as f32);
-            let since_middle = tree.since_middle_secs(ray.time);
+            let times = tree.times(ray.time);
             let ParticlesScratch { pool, near_hit, .. } = &mut scratch.particles;
             let (outward, strongest) = specialised!(blobs, simd, K, P => simd.vectorize(
                 #[inline(always)]
                 || {
-                    near_hit.collect::<_, P>(simd, (tree, since_middle), pool, place, at);
-                    near_hit.outward_and_strongest::<_, K, P>(simd)
+                    near_hit.collect::<_, P>(simd, (tree, times), pool, place, at);
+                    near_hit.outward_and_strongest::<_, K, P>(simd, times)
                 }
             ));
             Some(BlobHit {
@@ -153,8 +154,8 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
     } = &mut scratch.particles;
     let counters = &mut scratch.counters;
     let slabs = Slabs::new(simd, &ray.slab_ray(), tree, ray.time_secs);
-    let since_middle = tree.since_middle_secs(ray.time_secs);
-    let per_leaf = leaf_blocks::<P>(tree.moves());
+    let times = tree.times(ray.time_secs);
+    let per_leaf = leaf_blocks::<P>(tree.motion_columns);
     let direction = ray.direction.as_vec3().to_array();
     let longest = LONGEST_STRETCH * tree.typical_support;
     let shortest = SHORTEST_STRETCH * tree.typical_support;
@@ -206,7 +207,7 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
             let leaf_ray = LeafRay {
                 chunk,
                 leaf,
-                since_middle,
+                times,
                 origin: origin.to_array(),
                 direction,
                 near,

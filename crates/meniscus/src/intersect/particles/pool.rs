@@ -1,8 +1,10 @@
 //! The blobs that a ray has met and not yet left behind.
 
 use super::ends::Ends;
+use super::turning::Turning;
 use crate::accel::cells::layout::{Block, LANES};
-use crate::accel::particles::layout::columns;
+use crate::accel::particles::LeafTimes;
+use crate::accel::particles::layout::{MOTION_COLUMNS, columns};
 use crate::intersect::solve::Active;
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
@@ -32,8 +34,8 @@ pub(super) struct LeafRay<'a> {
     pub(super) chunk: &'a [Block],
     /// Its number.
     pub(super) leaf: u32,
-    /// The ray's time, in seconds after the middle of the shutter.
-    pub(super) since_middle: f32,
+    /// The ray's time.
+    pub(super) times: LeafTimes,
     /// Where the ray enters it, relative to its centre.
     pub(super) origin: [f32; 3],
     /// Unit direction.
@@ -105,15 +107,22 @@ impl Pool {
         self.reserve(1);
         let zero = f32x16::splat(simd, 0.0);
         let origin: [f32x16<S>; 3] = splat3(simd, ray.origin);
-        let w = xyz(
+        let since_middle = ray.times.since_middle_secs;
+        let mut w = xyz(
             #[inline(always)]
-            |k| center_at::<S, P>(simd, ray.chunk, k, ray.since_middle) - origin[k],
+            |k| center_at::<S, P>(simd, ray.chunk, k, since_middle) - origin[k],
         );
+        let mut direction = splat3(simd, ray.direction);
+        let motion = &ray.chunk[columns::<P>()..];
+        if motion.len() > MOTION_COLUMNS {
+            let turning = Turning::of(simd, &motion[MOTION_COLUMNS..], ray.times);
+            (w, direction) = (turning.turned(w), turning.turned(direction));
+        }
         let mut shape = [zero; 6];
         for k in 0..P::COLUMNS {
             shape[k] = f32x16::from_slice(simd, &ray.chunk[3 + k].0);
         }
-        let line = P::along(&shape[..P::COLUMNS], w, splat3(simd, ray.direction));
+        let line = P::along(&shape[..P::COLUMNS], w, direction);
         let away = line.c.max(zero).min(f32x16::splat(simd, ray.length)) - line.c;
         let meets = (line.g0 - line.beta * away * away).simd_gt(zero);
         let bits = meets.to_bitmask();

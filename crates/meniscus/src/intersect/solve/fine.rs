@@ -14,15 +14,14 @@ pub(in crate::intersect) fn meets_fine_blob(
     fine_beta: f32,
     ray: &LocalRay,
 ) -> bool {
-    let v = field.shapes.transform(i, ray.direction);
+    let at = field.at(ray.time_secs);
+    let v = at.transform(i, ray.direction);
     let beta = v.length_squared();
     let steepness = (beta / f64::from(fine_beta)).sqrt();
     if steepness < 1.0 {
         return false;
     }
-    let y = field
-        .shapes
-        .transform(i, ray.origin - field.at(ray.time_secs).center(i));
+    let y = at.transform(i, ray.origin - at.center(i));
     let nearest = (-y.dot(v) / beta).max(0.0);
     (y + v * nearest).length() < 1.0 + ROUNDING * steepness
 }

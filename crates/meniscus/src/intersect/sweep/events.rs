@@ -125,9 +125,9 @@ impl EventQueue {
     /// Queues the entry and exit of a blob if the segment pierces its support.
     fn meet(&mut self, field: &BlobField, index: u32, segment: &Segment) {
         let i = index as usize;
-        let shapes = &field.shapes;
-        let y = shapes.transform(i, field.at(segment.time_secs).center(i) - segment.origin);
-        let v = shapes.transform(i, segment.direction);
+        let at = field.at(segment.time_secs);
+        let y = at.transform(i, at.center(i) - segment.origin);
+        let v = at.transform(i, segment.direction);
         let beta = v.length_squared();
         let center = y.dot(v) / beta;
         // The part of y perpendicular to v: |y|² − c²β would cancel.

@@ -32,7 +32,8 @@ impl Usual {
 impl Role {
     /// Where names are ambiguous: Houdini's `pscale` is a radius; `size` and `scale` may be radii or
     /// diameters and `h` or `smoothing_length` a support, so none of them counts; `u v w` count as a
-    /// velocity only when all three are there; `F` is a deformation gradient and no metric; `scale` of
+    /// velocity only when all three are there; `F` is a deformation gradient and no metric; `C` of nine
+    /// components is the velocity gradient of APIC and Houdini's `w` an angular velocity; `scale` of
     /// three components is Houdini's factor on `pscale` or a splat's logarithm, so it counts as no
     /// radii. Quaternions come with their scalar last unless the name is known for the other order.
     pub(super) fn usual(self) -> Usual {
@@ -200,6 +201,32 @@ impl Role {
                     ("defgrad", 1.0),
                     ("def_grad", 1.0),
                     ("F", 1.0),
+                ],
+                ..Usual::NONE
+            },
+            Self::VelocityGradient => Usual {
+                components: &[9],
+                columns: &[
+                    ("velocity_gradient", 1.0),
+                    ("VelocityGradient", 1.0),
+                    ("grad_v", 1.0),
+                    ("gradv", 1.0),
+                    ("C", 1.0),
+                ],
+                ..Usual::NONE
+            },
+            Self::AngularVelocity => Usual {
+                components: &[3],
+                columns: &[
+                    ("angular_velocity", 1.0),
+                    ("AngularVelocity", 1.0),
+                    ("angvel", 1.0),
+                    ("omega", 1.0),
+                    ("w", 1.0),
+                ],
+                groups: &[
+                    &["omega_x", "omega_y", "omega_z"],
+                    &["omegax", "omegay", "omegaz"],
                 ],
                 ..Usual::NONE
             },

@@ -35,6 +35,22 @@ impl Camera {
         bounds: DAabb,
         size: [u32; 2],
     ) -> Result<Self, CameraError> {
+        Self::from_settings_at(settings, bounds, size, 0.0)
+    }
+
+    /// [`Camera::from_settings`] for a frame at `frame_secs` seconds of the scene: what keys count in.
+    ///
+    /// # Errors
+    /// When the settings define no camera.
+    pub fn from_settings_at(
+        settings: &CameraSettings,
+        bounds: DAabb,
+        size: [u32; 2],
+        frame_secs: f64,
+    ) -> Result<Self, CameraError> {
+        if !settings.keys.is_empty() {
+            return Self::on_path(settings, size, frame_secs);
+        }
         let fov = settings.fov.to_radians();
         let up = settings.up.0;
         let bounds = with_some_size(bounds);

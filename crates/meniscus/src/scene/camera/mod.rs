@@ -1,14 +1,19 @@
 //! The camera: from eye, target, up and field of view to primary rays.
 
 mod framing;
+mod path;
 mod settings;
 mod turntable;
 
 pub(crate) use framing::horizontal_axes;
+pub use path::CameraKey;
 pub use settings::{CameraSettings, Up, UpError};
 
-use crate::math::ray::{Ray, RayDifferential};
+use crate::math::differential::RayDifferential;
+use crate::math::ray::Ray;
 use glam::{DVec3, Vec3};
+use path::CameraPath;
+use std::sync::Arc;
 
 /// A camera that cannot be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -25,8 +30,9 @@ pub enum CameraError {
 }
 
 /// A pinhole camera for a film of a given size: forward = target − eye, right = forward × up,
-/// vertical field of view, square pixels; pixel (0, 0) is top left. All in float64.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// vertical field of view, square pixels; pixel (0, 0) is top left. All in float64. One that moves is
+/// described as it is at the frame's time; [`Camera::at`] is the one of another time.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     /// Where it stands, world space.
     pub eye: DVec3,
@@ -44,6 +50,8 @@ pub struct Camera {
     half_extents: [f64; 2],
     /// Side of a pixel at distance 1 along the view axis.
     pixel_side: f64,
+    /// Where it is at other times.
+    path: Option<Arc<CameraPath>>,
 }
 
 impl Camera {
@@ -81,6 +89,7 @@ impl Camera {
             size,
             half_extents: [half_height * width / height, half_height],
             pixel_side: 2.0 * half_height / height,
+            path: None,
         })
     }
 
@@ -108,10 +117,11 @@ impl Camera {
         // d(v/|v|) = (dv − u (u·dv))/|v| with u = v/|v|.
         let change = |step: DVec3| ((step - direction * direction.dot(step)) / length).as_vec3();
         RayDifferential {
-            origin: [Vec3::ZERO; 2],
+            origin: [Vec3::ZERO; 3],
             direction: [
                 change(self.right * self.pixel_side),
                 change(self.up * -self.pixel_side),
+                Vec3::ZERO,
             ],
         }
     }

@@ -1,5 +1,6 @@
 //! The camera as data: `[camera]` and the up direction.
 
+use super::CameraKey;
 use glam::DVec3;
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -20,6 +21,10 @@ pub struct CameraSettings {
     pub up: Up,
     /// Vertical field of view in degrees, between 0 and 180.
     pub fov: f64,
+    /// `[[camera.key]]`: where it is at several times, in place of `eye` and `target`; it moves in between
+    /// and rests before and after.
+    #[serde(rename = "key", skip_serializing_if = "Vec::is_empty")]
+    pub keys: Vec<CameraKey>,
 }
 
 impl Default for CameraSettings {
@@ -29,6 +34,7 @@ impl Default for CameraSettings {
             target: None,
             up: Up::default(),
             fov: 40.0,
+            keys: Vec::new(),
         }
     }
 }

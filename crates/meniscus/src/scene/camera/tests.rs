@@ -62,7 +62,7 @@ fn differentials_are_the_change_from_pixel_to_pixel() {
     let step = 1e-4;
     for film in [[0.5, 0.5], [320.0, 240.0], [600.3, 471.9]] {
         let differential = camera.differential(film);
-        assert_eq!(differential.origin, [Vec3::ZERO; 2]);
+        assert_eq!(differential.origin, [Vec3::ZERO; 3]);
         for axis in 0..2 {
             let (mut before, mut after) = (film, film);
             before[axis] -= step;

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 
 impl Camera {
     /// The camera turned about the axis through `center` along `up` (a unit vector) by `angle`
-    /// radians, to the right as it sees the object.
+    /// radians, to the right as it sees the object; it stands still there.
     #[must_use]
     pub fn turned(&self, center: DVec3, up: DVec3, angle: f64) -> Self {
         let turn = DQuat::from_axis_angle(up, angle);
@@ -14,6 +14,7 @@ impl Camera {
             forward: turn * self.forward,
             right: turn * self.right,
             up: turn * self.up,
+            path: None,
             ..*self
         }
     }

@@ -40,6 +40,7 @@ impl Staging {
                 target: Some(rounded(self.bounds.center())),
                 up: Up(self.up),
                 fov: FOV_DEGREES,
+                ..CameraSettings::default()
             },
             surfaces: vec![Surface {
                 file: PathBuf::new(),

@@ -76,6 +76,11 @@ pub(super) fn check_motion(motion: &MotionSettings) -> Checked {
         format!("`fps` must be above 0 and up to 1e6, not {}", motion.fps),
     )?;
     require(
+        motion.time.is_finite(),
+        "motion.time",
+        "`time` must be a number of seconds",
+    )?;
+    require(
         motion.velocity_scale != 0.0 && motion.velocity_scale.is_finite(),
         "motion.velocity_scale",
         format!(

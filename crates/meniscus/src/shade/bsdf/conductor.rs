@@ -4,7 +4,7 @@
 use super::albedo::AlbedoTable;
 use super::fresnel::{schlick, schlick_mean};
 use super::microfacet::Ggx;
-use super::{BsdfSample, SMOOTH, Scattering, mirrored, width_of};
+use super::{BsdfSample, Scattering, is_smooth, mirrored, widened, width_of};
 use crate::math::sampling::cosine_hemisphere;
 use glam::{DVec3, Vec3};
 use std::f64::consts::FRAC_1_PI;
@@ -14,7 +14,7 @@ use std::f64::consts::FRAC_1_PI;
 pub(in crate::shade) struct Conductor {
     head_on: Vec3,
     roughness: f64,
-    width: f64,
+    widths: [f64; 2],
 }
 
 impl Conductor {
@@ -23,12 +23,22 @@ impl Conductor {
         Self {
             head_on,
             roughness,
-            width: width_of(roughness),
+            widths: [width_of(roughness); 2],
         }
     }
 
-    pub(super) fn is_smooth(&self) -> bool {
-        self.width < SMOOTH
+    /// With lobes wider by what [`widened`] adds.
+    pub(in crate::shade) fn widened(self, added: [f64; 2]) -> Self {
+        let (widths, roughness) = widened(self.widths, added);
+        Self {
+            roughness,
+            widths,
+            ..self
+        }
+    }
+
+    pub(in crate::shade) fn is_smooth(&self) -> bool {
+        is_smooth(self.widths)
     }
 
     /// Reflectance of one facet.
@@ -57,7 +67,7 @@ impl Conductor {
         if self.is_smooth() || light.z <= 0.0 {
             return Vec3::ZERO;
         }
-        let ggx = Ggx::new(self.width);
+        let ggx = Ggx::stretched(self.widths);
         let half = (view + light).normalize_or(DVec3::Z);
         let cosine = view.dot(half);
         let facets = ggx.visible(view, half) / (4.0 * cosine) * ggx.shadowing(view, light);
@@ -70,7 +80,7 @@ impl Conductor {
             return 0.0;
         }
         let half = (view + light).normalize_or(DVec3::Z);
-        let facets = Ggx::new(self.width).visible(view, half) / (4.0 * view.dot(half));
+        let facets = Ggx::stretched(self.widths).visible(view, half) / (4.0 * view.dot(half));
         let lost = self.lost(view.z);
         facets * (1.0 - lost) + light.z * FRAC_1_PI * lost
     }
@@ -87,7 +97,7 @@ impl Conductor {
         let light = if choice < self.lost(view.z) {
             cosine_hemisphere(DVec3::Z, u)
         } else {
-            let half = Ggx::new(self.width).sample(view, u);
+            let half = Ggx::stretched(self.widths).sample(view, u);
             (half * (2.0 * view.dot(half)) - view).normalize()
         };
         if light.z <= 0.0 {

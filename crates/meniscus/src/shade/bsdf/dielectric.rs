@@ -83,6 +83,10 @@ impl<'a> Dielectric<'a> {
         self.width < SMOOTH
     }
 
+    pub(super) fn index_ratio(&self) -> f64 {
+        self.eta
+    }
+
     /// What makes up for the light that single scattering loses.
     pub(super) fn scale(&self, view: DVec3) -> f64 {
         let Some(boundary) = self.boundary else {

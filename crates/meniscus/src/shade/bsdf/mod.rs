@@ -33,6 +33,22 @@ fn width_of(roughness: f64) -> f64 {
     roughness * roughness
 }
 
+/// Whether a lobe of these widths is a mirror's.
+fn is_smooth(widths: [f64; 2]) -> bool {
+    widths[0].max(widths[1]) < SMOOTH
+}
+
+/// Widths of a lobe to whose squares `added` is added along x and y (Kaplanyan et al. 2016), and the
+/// roughness of the round lobe of the same mean square, which stands for it in tables. What stays a
+/// mirror across is made just rough there.
+fn widened(widths: [f64; 2], added: [f64; 2]) -> ([f64; 2], f64) {
+    let squares = [0, 1].map(|k| (widths[k] * widths[k] + added[k]).min(1.0));
+    let wide = squares[0].max(squares[1]).sqrt() >= SMOOTH;
+    let least = if wide { SMOOTH } else { 0.0 };
+    let mean = (0.5 * (squares[0] + squares[1])).sqrt();
+    (squares.map(|square| square.sqrt().max(least)), mean.sqrt())
+}
+
 /// What a scattered ray counts as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scattering {
@@ -148,6 +164,18 @@ impl Bsdf<'_> {
             | Self::Plastic(_)
             | Self::Dielectric(_)
             | Self::Foam(_) => None,
+        }
+    }
+
+    /// Index on the viewer's side over that beyond, where there are two media.
+    pub(super) fn index_ratio(&self) -> Option<f64> {
+        match self {
+            Self::Dielectric(model) => Some(model.index_ratio()),
+            Self::Diffuse(_)
+            | Self::Conductor(_)
+            | Self::Plastic(_)
+            | Self::Foam(_)
+            | Self::Sheet(_) => None,
         }
     }
 

@@ -4,7 +4,7 @@
 use super::albedo::AlbedoTable;
 use super::fresnel::dielectric;
 use super::microfacet::Ggx;
-use super::{BsdfSample, SMOOTH, Scattering, luminance, mirrored, width_of};
+use super::{BsdfSample, Scattering, is_smooth, luminance, mirrored, widened, width_of};
 use crate::math::sampling::cosine_hemisphere;
 use glam::{DVec3, Vec3};
 use std::f64::consts::FRAC_1_PI;
@@ -41,7 +41,7 @@ pub(in crate::shade) struct Plastic<'a> {
     coat: &'a Coat,
     base: Vec3,
     roughness: f64,
-    width: f64,
+    widths: [f64; 2],
 }
 
 impl<'a> Plastic<'a> {
@@ -50,12 +50,22 @@ impl<'a> Plastic<'a> {
             coat,
             base,
             roughness,
-            width: width_of(roughness),
+            widths: [width_of(roughness); 2],
         }
     }
 
-    fn is_smooth(&self) -> bool {
-        self.width < SMOOTH
+    /// With a highlight wider by what [`widened`] adds.
+    pub(in crate::shade) fn widened(self, added: [f64; 2]) -> Self {
+        let (widths, roughness) = widened(self.widths, added);
+        Self {
+            roughness,
+            widths,
+            ..self
+        }
+    }
+
+    pub(in crate::shade) fn is_smooth(&self) -> bool {
+        is_smooth(self.widths)
     }
 
     pub(super) fn is_spread(&self) -> bool {
@@ -95,7 +105,7 @@ impl<'a> Plastic<'a> {
 
     /// Density of facets that mirror `light`.
     fn facets(&self, view: DVec3, half: DVec3) -> f64 {
-        Ggx::new(self.width).visible(view, half) / (4.0 * view.dot(half))
+        Ggx::stretched(self.widths).visible(view, half) / (4.0 * view.dot(half))
     }
 
     pub(super) fn evaluate(&self, view: DVec3, light: DVec3) -> Vec3 {
@@ -109,7 +119,7 @@ impl<'a> Plastic<'a> {
         let half = (view + light).normalize_or(DVec3::Z);
         let coat = self.coat.reflectance(view.dot(half))
             * self.facets(view, half)
-            * Ggx::new(self.width).shadowing(view, light);
+            * Ggx::stretched(self.widths).shadowing(view, light);
         base + Vec3::splat(coat as f32)
     }
 
@@ -139,7 +149,7 @@ impl<'a> Plastic<'a> {
                 ));
             }
             (true, false) => {
-                let half = Ggx::new(self.width).sample(view, u);
+                let half = Ggx::stretched(self.widths).sample(view, u);
                 (half * (2.0 * view.dot(half)) - view).normalize()
             }
             (false, _) => cosine_hemisphere(DVec3::Z, u),

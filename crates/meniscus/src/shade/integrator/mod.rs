@@ -13,6 +13,7 @@ use super::rays::{EyeRays, Seen, ShadeScratch};
 use super::world::World;
 use crate::frame::Frame;
 use crate::intersect::{BlobTracer, Hit};
+use crate::math::ray::Ray;
 use crate::math::sampling::PixelSampler;
 use crate::scene::{Background, IntegratorKind, IntegratorSettings};
 use ambient::Ambient;
@@ -36,6 +37,10 @@ pub struct ShadeSettings {
     pub spp: u32,
     /// Where the eye's rays start: the media there surround the camera.
     pub eye: DVec3,
+    /// Whether they start elsewhere at other times.
+    pub eye_moves: bool,
+    /// How long the shutter is open, for specular antialiasing.
+    pub shutter_secs: f64,
 }
 
 impl Default for ShadeSettings {
@@ -46,6 +51,8 @@ impl Default for ShadeSettings {
             with_attributes: false,
             spp: 1,
             eye: DVec3::ZERO,
+            eye_moves: false,
+            shutter_secs: 0.0,
         }
     }
 }
@@ -54,8 +61,8 @@ impl Default for ShadeSettings {
 pub struct Shader<'a> {
     world: World<'a>,
     settings: ShadeSettings,
-    /// Media around the eye.
-    media: MediumStack,
+    /// Media around the eye at the frame's time; `None` where they may be others at other times.
+    media: Option<MediumStack>,
     /// Light from all around, for `shaded` and `whitted`.
     ambient: Ambient,
     /// Coats of `shaded`, one per material.
@@ -93,18 +100,14 @@ impl Gathered {
 impl<'a> Shader<'a> {
     /// A shader for `frame`.
     pub fn new(frame: &'a Frame, settings: &ShadeSettings) -> Self {
-        let scatters = match settings.integrator.kind {
-            IntegratorKind::Whitted | IntegratorKind::Path => true,
-            IntegratorKind::Shaded | IntegratorKind::Ao => false,
+        let has_media = || {
+            let mut instances = frame.instances.iter();
+            instances.any(|instance| frame.materials[instance.material as usize].is_medium())
         };
-        let world = World::new(
-            frame,
-            settings.background,
-            settings.with_attributes,
-            scatters,
-        );
+        let is_open = settings.shutter_secs > 0.0;
+        let is_settled = !(is_open && (settings.eye_moves || frame.moves()) && has_media());
         Self {
-            media: MediumStack::at(frame, settings.eye),
+            media: is_settled.then(|| MediumStack::at(frame, settings.eye, 0.0)),
             ambient: Ambient::new(frame),
             gloss: frame
                 .materials
@@ -112,8 +115,14 @@ impl<'a> Shader<'a> {
                 .map(|material| Gloss::new(material.specular, material.roughness))
                 .collect(),
             settings: settings.clone(),
-            world,
+            world: World::new(frame, settings),
         }
+    }
+
+    /// Media where a ray of the eye starts.
+    fn media(&self, ray: &Ray) -> MediumStack {
+        let asked = || MediumStack::at(self.world.frame, ray.origin, ray.time);
+        self.media.unwrap_or_else(asked)
     }
 
     /// Lets `tracer` trace the eye's rays to the first surfaces, and with integrator `shaded` from there

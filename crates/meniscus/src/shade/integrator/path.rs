@@ -10,7 +10,7 @@ use crate::scene::Background;
 use crate::shade::ShadeScratch;
 use crate::shade::asking::Ask;
 use crate::shade::bsdf::{BsdfSample, Scattering, Sheet};
-use crate::shade::interaction::Interaction;
+use crate::shade::interaction::{Interaction, Turn};
 use crate::shade::light::Found;
 use crate::shade::medium::MediumStack;
 use crate::shade::world::{count, passed};
@@ -92,7 +92,7 @@ impl Shader<'_> {
         let world = &self.world;
         let mut path = Path {
             ray: *ray,
-            media: self.media,
+            media: self.media(ray),
             throughput: Vec3::ONE,
             light: Vec3::ZERO,
             surfaces: 0,
@@ -379,7 +379,16 @@ impl Shader<'_> {
         if !point.agrees(direction, on_viewers_side) {
             return false;
         }
-        path.ray = point.leaving(direction, on_viewers_side, path.ray.time);
+        // A lobe counts as a mirror, and what is spread over the hemisphere has no footprint.
+        let turn = match sample.scattering {
+            Scattering::Diffuse => None,
+            Scattering::Reflection => Some(Turn::Reflection),
+            Scattering::Refraction => point.bsdf.index_ratio().map(Turn::Refraction),
+        };
+        path.ray = Ray {
+            differential: turn.and_then(|turn| point.differential(&path.ray, turn)),
+            ..point.leaving(direction, on_viewers_side, path.ray.time)
+        };
         path.scattered_at = point.hit.position;
         path.density = sample.density;
         path.is_spread |= !sample.is_only_direction();

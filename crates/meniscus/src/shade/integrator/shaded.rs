@@ -6,7 +6,7 @@ use crate::intersect::{BlobTracer, Hit};
 use crate::math::ray::{Ray, Side};
 use crate::shade::light::LightSample;
 use crate::shade::{EyeRays, ShadeScratch};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
 /// How much of the light on its outer side a wall shows to an eye inside the fluid.
@@ -101,6 +101,7 @@ impl Shader<'_> {
         let (_, material) = self.world.material(hit.surface);
         let gloss = self.gloss[material].filter(|_| !from_inside);
         let coat = gloss.map_or(0.0, |gloss| gloss.reflectance(facing));
+        let spread = gloss.and_then(|_| self.world.spread_at(ray, hit, normal));
 
         let mut diffuse = Vec3::ZERO;
         let mut specular = Vec3::ZERO;
@@ -119,7 +120,23 @@ impl Shader<'_> {
                 let half = (light.towards + towards_eye).normalize_or_zero();
                 let nh = (normal.dot(half) as f32).max(0.0);
                 let vh = (towards_eye.dot(half) as f32).max(0.0);
-                specular += radiance * gloss.highlight(nl, facing, nh, vh);
+                let highlight = match &spread {
+                    None => gloss.highlight(nl, facing, nh, vh),
+                    Some(spread) => {
+                        let [x, y] = spread.tangents;
+                        let local = |direction: DVec3, z: f32| {
+                            Vec3::new(direction.dot(x) as f32, direction.dot(y) as f32, z)
+                        };
+                        let directions = [
+                            local(light.towards, nl),
+                            local(towards_eye, facing),
+                            local(half, nh),
+                        ];
+                        let added = spread.added.map(|added| added as f32);
+                        gloss.widened_highlight(added, directions, vh)
+                    }
+                };
+                specular += radiance * highlight;
             }
         }
         diffuse += self.ambient.diffuse(normal);

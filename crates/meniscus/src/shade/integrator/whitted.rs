@@ -8,7 +8,7 @@ use crate::math::ray::Ray;
 use crate::scene::MaterialKind;
 use crate::shade::asking::Ask;
 use crate::shade::bsdf::{Bsdf, Scattering, Sheet, dielectric_reflectance};
-use crate::shade::interaction::Interaction;
+use crate::shade::interaction::{Interaction, Turn};
 use crate::shade::medium::MediumStack;
 use crate::shade::world::{count, passed};
 use glam::{DVec3, Vec3};
@@ -38,7 +38,8 @@ struct Branch<'a> {
 
 impl Shader<'_> {
     pub(super) async fn whitted(&self, ray: &Ray, first: Option<Hit>, ask: &impl Ask) -> Gathered {
-        let seen = self.branch(*ray, first, self.media, 0, 1.0, ask).await;
+        let media = self.media(ray);
+        let seen = self.branch(*ray, first, media, 0, 1.0, ask).await;
         Gathered {
             radiance: seen.light,
             first: seen.first,
@@ -136,12 +137,11 @@ impl Shader<'_> {
         let mut light = self.direct(branch.ray, point, media, ask).await;
         let cosine = point.view.z;
         let mirror = DVec3::new(-point.view.x, -point.view.y, cosine);
-        let follow = async |local: DVec3, part: Vec3, scattering: Scattering| -> Vec3 {
-            self.follow(branch, point, (local, part, scattering), ask)
-                .await
+        let follow = async |local: DVec3, part: Vec3, turn: Turn| -> Vec3 {
+            self.follow(branch, point, (local, part, turn), ask).await
         };
         if let Some(sheet) = point.bsdf.sheet() {
-            return light + follow(mirror, sheet.reflected(), Scattering::Reflection).await;
+            return light + follow(mirror, sheet.reflected(), Turn::Reflection).await;
         }
         let (material, _) = world.material(point.hit.surface);
         match material.kind {
@@ -154,12 +154,12 @@ impl Shader<'_> {
                 };
                 let coat = plastic.coat_reflectance(cosine) as f32;
                 light += point.color * self.ambient.diffuse(point.normal()) * (1.0 - coat);
-                light += follow(mirror, Vec3::splat(coat), Scattering::Reflection).await;
+                light += follow(mirror, Vec3::splat(coat), Turn::Reflection).await;
             }
             MaterialKind::Metal | MaterialKind::Mirror => {
                 if let Bsdf::Conductor(conductor) = &point.bsdf {
                     let part = conductor.facet_reflectance(cosine);
-                    light += follow(mirror, part, Scattering::Reflection).await;
+                    light += follow(mirror, part, Turn::Reflection).await;
                 }
             }
             MaterialKind::Dielectric | MaterialKind::Glass | MaterialKind::Water => {
@@ -167,10 +167,10 @@ impl Shader<'_> {
                 let eta = ior / beyond;
                 let (reflectance, other) = dielectric_reflectance(cosine, eta);
                 let part = Vec3::splat(reflectance as f32);
-                light += follow(mirror, part, Scattering::Reflection).await;
+                light += follow(mirror, part, Turn::Reflection).await;
                 if let Some(other) = other {
                     let refracted = DVec3::new(-eta * point.view.x, -eta * point.view.y, -other);
-                    light += follow(refracted, Vec3::ONE - part, Scattering::Refraction).await;
+                    light += follow(refracted, Vec3::ONE - part, Turn::Refraction(eta)).await;
                 }
             }
         }
@@ -182,7 +182,7 @@ impl Shader<'_> {
         &self,
         branch: &Branch<'_>,
         point: &Interaction<'_>,
-        (local, part, scattering): (DVec3, Vec3, Scattering),
+        (local, part, turn): (DVec3, Vec3, Turn),
         ask: &impl Ask,
     ) -> Vec3 {
         let world = &self.world;
@@ -206,11 +206,18 @@ impl Shader<'_> {
         if !point.agrees(direction, on_viewers_side) {
             return Vec3::ZERO;
         }
-        let ray = point.leaving(direction, on_viewers_side, branch.ray.time);
+        let ray = Ray {
+            differential: point.differential(branch.ray, turn),
+            ..point.leaving(direction, on_viewers_side, branch.ray.time)
+        };
         let media = if on_viewers_side {
             *media
         } else {
             point.beyond
+        };
+        let scattering = match turn {
+            Turn::Reflection => Scattering::Reflection,
+            Turn::Refraction(_) => Scattering::Refraction,
         };
         count(&mut ask.scratch().rays, scattering);
         let hit = ask.closest(&ray).await;

@@ -19,6 +19,7 @@ const PLAIN: EngineSettings = EngineSettings {
     discard: false,
     clipping: meniscus::scene::Clipping::Own,
     builder: meniscus::scene::Builder::Sah,
+    peel: meniscus::scene::PeelVariant::Tiles,
 };
 
 /// A row of table 1: milliseconds of construction and frames a second, BVH then FBVH.

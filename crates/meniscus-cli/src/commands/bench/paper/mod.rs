@@ -7,7 +7,7 @@ mod kanamori;
 use super::passes::{Bench, median};
 use crate::exit::{Failure, Outcome};
 use crate::interrupt;
-use crate::job::device::Tracing;
+use crate::job::device::{OpenDevice, Tracing};
 use crate::job::engine::EngineChoice;
 use crate::progress::Reporter;
 use meniscus::accel::Engine;
@@ -17,7 +17,8 @@ use meniscus::intersect::Counters;
 use meniscus::math::DVec3;
 use meniscus::scene::camera::Camera;
 use meniscus::scene::generate::Generator;
-use meniscus::scene::{BlobSettings, EngineSettings, Scene};
+use meniscus::scene::{BlobSettings, EngineSettings, PeelVariant, Scene};
+use meniscus_gpu::StageSecs;
 use std::io::Write;
 use std::time::Instant;
 
@@ -28,14 +29,41 @@ const SIZE: [u32; 2] = [640, 480];
 type Print = fn(&Stage<'_>) -> Outcome<String>;
 
 /// The tables by name.
-const TABLES: [(&str, Print); 6] = [
-    ("gourmel-1", gourmel::table_1),
-    ("gourmel-3", gourmel::table_3),
-    ("gourmel-4", gourmel::table_4),
-    ("gourmel-5", gourmel::table_5),
-    ("kanamori-1", kanamori::table_1),
-    ("kanamori-clipping", kanamori::clipping),
+const TABLES: [(&str, Machine, Print); 7] = [
+    ("gourmel-1", Machine::Processor, gourmel::table_1),
+    ("gourmel-3", Machine::Processor, gourmel::table_3),
+    ("gourmel-4", Machine::Processor, gourmel::table_4),
+    ("gourmel-5", Machine::Processor, gourmel::table_5),
+    ("kanamori-1", Machine::Processor, kanamori::table_1),
+    ("kanamori-gpu", Machine::Card, kanamori::table_1_on_card),
+    ("kanamori-clipping", Machine::Processor, kanamori::clipping),
 ];
+
+/// What a table is measured on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Machine {
+    /// The processor.
+    Processor,
+    /// A graphics card.
+    Card,
+}
+
+/// The device that a table is measured on.
+pub(super) fn on_device(
+    table: Option<&str>,
+    engine: EngineChoice,
+    reporter: &Reporter,
+) -> Outcome<EngineChoice> {
+    let is_wanted = |(name, ..): &&(&str, Machine, Print)| Some(*name) == table;
+    let machine = TABLES
+        .iter()
+        .find(is_wanted)
+        .map(|&(_, machine, _)| machine);
+    match machine {
+        Some(Machine::Card) => engine.on_device(None, reporter),
+        Some(Machine::Processor) | None => engine.on_device(Some("bench paper"), reporter),
+    }
+}
 
 /// Prints one table, or all.
 pub(super) fn run(
@@ -44,9 +72,9 @@ pub(super) fn run(
     repeats: u32,
     reporter: &Reporter,
 ) -> Outcome {
-    let known = TABLES.map(|(name, _)| name).join(", ");
+    let known = TABLES.map(|(name, ..)| name).join(", ");
     if let Some(table) = table
-        && TABLES.iter().all(|(name, _)| *name != table)
+        && TABLES.iter().all(|(name, ..)| *name != table)
     {
         return Err(Failure::wrong(format!("there is no paper table `{table}`"))
             .with_help(format!("there are: {known}")));
@@ -57,8 +85,10 @@ pub(super) fn run(
         reporter,
     };
     reporter.start(1);
-    for (name, print) in TABLES {
-        if table.is_none_or(|table| table == name) {
+    for (name, machine, print) in TABLES {
+        if table.is_none() && machine == Machine::Card {
+            reporter.note(&format!("{name} is measured by its own name, on a card"));
+        } else if table.is_none_or(|table| table == name) {
             let text = print(&stage)?;
             writeln!(std::io::stdout(), "{text}")
                 .map_err(|error| Failure::work(format!("cannot print: {error}")))?;
@@ -94,7 +124,59 @@ impl Measured {
     }
 }
 
+/// What was measured on a card.
+struct OnCard {
+    /// Time of a picture by the card's own clock, or from outside where it has none.
+    secs: f64,
+    /// Its stages.
+    stages: StageSecs,
+}
+
 impl Stage<'_> {
+    /// The card.
+    fn card(&self) -> Outcome<&OpenDevice> {
+        let device = self.engine.device.as_ref();
+        device.ok_or_else(|| {
+            Failure::work("there is no graphics card to measure")
+                .with_help("the other tables are measured on the processor")
+        })
+    }
+
+    /// Traces the primary rays through the pixel centres by engine `peel`.
+    fn measure_on_card(&self, size: [u32; 2], set: &Set, peel: PeelVariant) -> Outcome<OnCard> {
+        let card = self.card()?;
+        let settings = FrameSettings {
+            engine: Engine::Particles,
+            switches: EngineSettings {
+                peel,
+                ..EngineSettings::default()
+            },
+            level: self.engine.frame.level,
+        };
+        let failed = |message: String| Failure::work(message);
+        let frame = Frame::build(&set.scene, vec![set.field.clone()], &settings)
+            .map_err(|error| failed(error.to_string()))?;
+        let camera = Camera::from_settings(&set.scene.camera, frame.framing_bounds(), size)
+            .map_err(|error| failed(error.to_string()))?;
+        let tracing = card.upload(&frame, Some(&camera), self.reporter)?;
+        let bench = Bench {
+            frame: &frame,
+            tracing: &tracing,
+            camera: &camera,
+            shutter_secs: [0.0; 2],
+            towards_light: DVec3::Y,
+            repeats: self.repeats,
+            reporter: self.reporter,
+        };
+        let (figures, _) = bench.primary()?;
+        let stages = tracing.peel_work().unwrap_or_default().secs / f64::from(self.repeats);
+        let own = Some(stages.total()).filter(|&secs| secs > 0.0);
+        Ok(OnCard {
+            secs: own.unwrap_or(figures.secs),
+            stages,
+        })
+    }
+
     /// The set that a generator makes.
     fn set(&self, generator: Generator, count: usize) -> Outcome<Set> {
         let wrong = |error: &dyn std::fmt::Display| Failure::work(error.to_string());

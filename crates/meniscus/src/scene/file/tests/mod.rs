@@ -145,6 +145,7 @@ fn full() -> Scene {
             target: Some(DVec3::ZERO),
             up: Up(DVec3::NEG_Z),
             fov: 35.0,
+            keys: Vec::new(),
         },
         film: FilmSettings {
             width: 640,
@@ -207,6 +208,7 @@ fn full() -> Scene {
                 translation: DVec3::new(5.0, 6.0, 7.0),
             }),
             material: Some("wet".to_owned()),
+            keys: Vec::new(),
         }],
         planes: vec![Plane {
             point: DVec3::NEG_Y,

@@ -32,6 +32,32 @@ fn senseless_values_are_pointed_at() {
             "`up` points along",
         ),
         (
+            "[camera]\neye = [1, 2, 3]\n[[camera.key]]\ntime = 0\neye = [1, 0, 0]\ntarget = [0, 0, 0]",
+            "[1, 2, 3]",
+            "no effect beside the keys",
+        ),
+        (
+            "[[camera.key]]\ntime = 2\neye = [1, 0, 0]\ntarget = [0, 0, 0]\n[[camera.key]]\ntime = 2.0\neye = [1, 0, 0]\ntarget = [0, 0, 0]",
+            "2.0",
+            "in the order of their times",
+        ),
+        (
+            "[[camera.key]]\ntime = 0\neye = [1, 0, 0]\ntarget = [1, 0, 0]",
+            "[1, 0, 0]",
+            "are the same point",
+        ),
+        (
+            "[[camera.key]]\ntime = 0\neye = [0, 0, 0]\ntarget = [1, 0, 0]\n[[camera.key]]\ntime = 1\neye = [0, 0, 0]\ntarget = [-1, 0, 0]",
+            "[[camera.key]]",
+            "at 0.500 s",
+        ),
+        (
+            "[[surface]]\nname = \"a\"\nfile = \"a\"\n[[instance]]\nsurface = \"a\"\n[[instance.key]]\ntime = nan\nmatrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]",
+            "nan",
+            "must be a number of seconds",
+        ),
+        ("[motion]\ntime = inf", "inf", "must be a number of seconds"),
+        (
             "[film]\nwidth = 0",
             "0",
             "`width` must be 1 to 65536 pixels, not 0",

@@ -171,6 +171,7 @@ fn a_furnace_full_of_company_stays_white() {
             surface: name.to_owned(),
             matrix: crate::scene::Matrix(glam::DAffine3::from_translation(place.into())),
             material: None,
+            keys: Vec::new(),
         });
     }
     let fields = vec![ball(1.0), ball(1.2), ball(0.4), ball(0.5)];

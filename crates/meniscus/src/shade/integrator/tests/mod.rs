@@ -1,5 +1,6 @@
 //! Integrators against closed forms and furnaces: what both kinds of test stand on.
 
+mod antialias;
 mod closed_forms;
 mod contacts;
 mod energy;
