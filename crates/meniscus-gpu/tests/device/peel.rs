@@ -240,7 +240,6 @@ fn a_million_rays_of_cameras() {
 
 /// The paper's rules lose surfaces; how many is counted, and that it is few.
 #[test]
-#[expect(clippy::print_stderr, reason = "the count is what is wanted")]
 fn errors_of_the_paper_s_rules() {
     let Some(device) = device("errors_of_the_paper_s_rules") else {
         return;

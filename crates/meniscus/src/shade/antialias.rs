@@ -7,9 +7,10 @@ use super::ShadeSettings;
 use crate::math::level_set::HitChange;
 use glam::DVec3;
 
-/// Variance, in square pixels, of the Gaussian that stands for a pixel: its integral and its peak are 1
-/// (Tokuyoshi & Kaplanyan 2019, §3).
-const PIXEL_VARIANCE: f64 = 0.5 * std::f64::consts::FRAC_1_PI;
+/// Variance, in square pixels, of the pixel filter
+/// ([`PixelFilter`](crate::math::sampling::PixelFilter)) along x or y: a highlight is as wide as the
+/// filter makes it. Tokuyoshi & Kaplanyan (2019) take 1/2π, for a filter twice as broad.
+pub(super) const PIXEL_VARIANCE: f64 = 0.0767;
 /// Variance of a time within a shutter of length 1.
 const SHUTTER_VARIANCE: f64 = 1.0 / 12.0;
 /// Most that is added to a squared width: normals that differ more are no longer told apart by slopes
@@ -102,6 +103,17 @@ mod tests {
             position: DVec3::ZERO,
             normal,
         })
+    }
+
+    #[test]
+    fn the_variance_is_that_of_the_pixel_filter() {
+        let filter = crate::math::sampling::PixelFilter::default();
+        let squares = (0..10_000).map(|i| {
+            let [x, _] = filter.offset([(f64::from(i) + 0.5) / 1e4, 0.5]);
+            x * x
+        });
+        let variance = squares.sum::<f64>() / 1e4;
+        assert!((variance - PIXEL_VARIANCE).abs() < 3e-4, "{variance}");
     }
 
     #[test]

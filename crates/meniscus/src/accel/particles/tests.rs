@@ -49,7 +49,7 @@ fn check(tree: &ParticleTree, field: &BlobField) {
     if let Some(bounds) = tree.bounds {
         open.push((0, bounds));
     }
-    let per_leaf = layout::leaf_blocks::<Ball>(layout::motion_columns(&field));
+    let per_leaf = layout::leaf_blocks::<Ball>(layout::motion_columns(field));
     while let Some((reference, bounds)) = open.pop() {
         if reference & LEAF == 0 {
             let node: &Node = &tree.nodes[reference as usize];

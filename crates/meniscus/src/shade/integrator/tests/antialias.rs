@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::math::differential::RayDifferential;
+use crate::shade::antialias::PIXEL_VARIANCE;
 use crate::shade::interaction::Turn;
 use glam::Vec3;
 
@@ -104,7 +105,7 @@ fn a_highlight_is_the_mean_of_those_within_the_pixel() {
         mean(&frame, settings, &broad(Ray::new(eye, direction), step), 4).0
     };
     let (plain, wide) = (path_settings(1), antialiased(path_settings(1)));
-    let sigma = (0.5 / PI).sqrt() * f64::from(step) * 6.0;
+    let sigma = PIXEL_VARIANCE.sqrt() * f64::from(step) * 6.0;
     let (mut error, mut error_of_plain, mut total) = (0.0, 0.0, 0.0);
     for (x, y) in [
         (0.25, 0.2),
