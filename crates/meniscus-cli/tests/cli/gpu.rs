@@ -158,11 +158,6 @@ fn engine_peel_needs_a_card_and_says_what_it_cannot() {
         &["card", "--device gpu"],
     );
     folder.fails(small, 1, &["no graphics card", "particles"]);
-    folder.fails(
-        &format!("{small} --integrator path"),
-        2,
-        &["--engine peel cannot do --integrator path", "particles"],
-    );
     crate::trace::write_rays(&folder, 8, &[0.0, 0.0, 9.0, 0.0, 0.0, -1.0, 0.0, 9.0]);
     folder.fails(
         "trace water.toml --rays rays.npy -o a.npz --engine peel",
@@ -195,9 +190,14 @@ fn engine_peel_s_picture_is_that_of_the_processor() {
         return;
     }
     let words = "render water.toml --size 160x120 --spp 2 --ground --stats stats.json";
-    folder.done(&format!("{words} -o cpu.png"));
-    let cpu = Picture::read(&folder.path("cpu.png"));
-    for variant in ["tiles", "sprites"] {
+    for (variant, integrator) in [
+        ("tiles", "shaded"),
+        ("sprites", "shaded"),
+        ("tiles", "path"),
+    ] {
+        let words = format!("{words} --integrator {integrator}");
+        folder.done(&format!("{words} -o cpu.png"));
+        let cpu = Picture::read(&folder.path("cpu.png"));
         let peel = format!("--device gpu --engine peel --set engine.peel={variant}");
         let ended = run_on_software(&folder, &format!("{words} -o gpu.png {peel}"), &[]);
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
