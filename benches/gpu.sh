@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Builds, checks and times everything on the graphics card of this machine, in one call:
 #   benches/gpu.sh [FOLDER]
+#   SMALL=1 MENISCUS_GPU=software benches/gpu.sh      small scenes, the dev profile, a few tests: to see
+#                                                     that it works
 # FOLDER (default target/gpu-bench) gets the scenes, the pictures of card and processor, and figures.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,17 +11,27 @@ mkdir -p "$folder"
 figures="$folder/figures.md"
 : >"$figures"
 
-cargo build --release -p meniscus-cli --locked
-meniscus=target/release/meniscus
+small="${SMALL:-}"
+build=(--release) built=release
+[ -n "$small" ] && build=() built=debug
+cargo build ${build[@]+"${build[@]}"} -p meniscus-cli --locked
+meniscus="${CARGO_TARGET_DIR:-target}/$built/meniscus"
 
 echo "== tests on the card"
-MENISCUS_REQUIRE_GPU=1 cargo test --release -p meniscus-gpu --locked -- --nocapture | tee "$folder/tests.log" |
+tests=(--nocapture --include-ignored)
+[ -n "$small" ] && tests=(--nocapture shaded_scenes)
+MENISCUS_REQUIRE_GPU=1 cargo test ${build[@]+"${build[@]}"} -p meniscus-gpu --locked -- "${tests[@]}" | tee "$folder/tests.log" |
   grep -E '^test |answered by the CPU|test result'
 
 say() { printf '%s\n' "$*" | tee -a "$figures"; }
 
+large=1920x1080 middle=640x480
+[ -n "$small" ] && large=96x54 middle=64x48
+count() { # particles, or few of them
+  if [ -n "$small" ]; then echo $(($1 / 200)); else echo "$1"; fi
+}
 scene() { # name, generator, particles
-  [ -s "$folder/$1.toml" ] || "$meniscus" generate "$2" --count "$3" -o "$folder/$1.npy" -q
+  [ -s "$folder/$1.toml" ] || "$meniscus" generate "$2" --count "$(count "$3")" -o "$folder/$1.npy" -q
 }
 scene pool-100k pool 100000
 scene pool-1m pool 1000000
@@ -29,8 +41,8 @@ scene splash-100k splash 100000
 say "| scene | pass | card's own clock, Mrays/s | with transfers, Mrays/s | processor, Mrays/s |"
 say "|---|---|---|---|---|"
 for name in pool-100k pool-1m scattered-100k splash-100k; do
-  size=1920x1080
-  [ "$name" = scattered-100k ] && size=640x480
+  size=$large
+  [ "$name" = scattered-100k ] && size=$middle
   for device in gpu cpu; do
     "$meniscus" bench "$folder/$name.toml" --size "$size" --device "$device" --json -v >"$folder/$name-$device.json"
   done
@@ -47,14 +59,14 @@ print(round(json.load(open(sys.argv[1]))[sys.argv[2]]['mrays_per_sec'], 1))" "$f
 done
 
 # 1.2 M ellipsoids that move while the shutter is open.
-[ -s "$folder/moving-1m2.toml" ] || "$meniscus" generate splash --count 1200000 -o "$folder/moving-1m2.npz" -q
+[ -s "$folder/moving-1m2.toml" ] || "$meniscus" generate splash --count "$(count 1200000)" -o "$folder/moving-1m2.npz" -q
 
 say ""
 say "| structure of | builder | sent, ms | card's own build, ms | followed, ms (own) | frames/s of primary + shadow by the card's clock: tree stands / is built each frame |"
 say "|---|---|---|---|---|---|"
 for name in pool-1m scattered-100k moving-1m2; do
-  size=1920x1080
-  [ "$name" = scattered-100k ] && size=640x480
+  size=$large
+  [ "$name" = scattered-100k ] && size=$middle
   more=()
   [ "$name" = moving-1m2 ] && more=(--anisotropy estimate --shutter 0.5)
   for builder in sah morton device; do
@@ -80,8 +92,8 @@ say ""
 say "| scene, engine peel | variant | primary, Mrays/s by the card's own clock | lists, ms | sprites, ms | solve, ms | left to the tree |"
 say "|---|---|---|---|---|---|---|"
 for name in pool-100k pool-1m scattered-100k splash-100k; do
-  size=1920x1080
-  [ "$name" = scattered-100k ] && size=640x480
+  size=$large
+  [ "$name" = scattered-100k ] && size=$middle
   for variant in tiles sprites; do
     "$meniscus" bench "$folder/$name.toml" --size "$size" --device gpu --engine peel --set "engine.peel=$variant" \
       --json >"$folder/$name-peel-$variant.json"
@@ -98,15 +110,39 @@ done
 
 say ""
 say "\`\`\`"
-"$meniscus" bench paper kanamori-gpu --device gpu | tee -a "$figures"
+[ -n "$small" ] || "$meniscus" bench paper kanamori-gpu --device gpu | tee -a "$figures"
 say "\`\`\`"
 
+# Whole pictures by the card's stages; shaded with one sample is primary + shadow with all shading.
 say ""
-say "| picture, 1920x1080, 4 samples | card, s | processor, s | pixels that differ by more than 2 of 255 |"
+say "| scene, $large | integrator, samples | card's own clock, ms | frames/s by it | whole picture, s | processor, s | samples that the processor did |"
+say "|---|---|---|---|---|---|---|"
+for name in pool-100k pool-1m; do
+  for way in shaded:1 shaded:16 ao:4 whitted:1 path:4; do
+    for device in gpu cpu; do
+      "$meniscus" render "$folder/$name.toml" -o "$folder/$name-${way%:*}-$device.png" --size "$large" \
+        --integrator "${way%:*}" --spp "${way#*:}" --device "$device" -v \
+        --stats "$folder/$name-stages-$device.json" 2>"$folder/$name-stages-$device.log"
+    done
+    say "$(python3 - "$folder/$name-stages" "$name" "$way" <<'P'
+import json, re, sys
+gpu, cpu = [json.load(open(f"{sys.argv[1]}-{device}.json")) for device in ("gpu", "cpu")]
+log = open(sys.argv[1] + "-gpu.log").read()
+redone = re.search(r"shaded on the card, (\d+) of them", log) or re.search(r"(shaded by the processor.*)", log)
+own = gpu["device_secs"] or float("nan")
+print(f"| {sys.argv[2]} | {sys.argv[3].replace(':', ', ')} | {1e3 * own:.2f} | {1 / own:.1f} "
+      f"| {gpu['render_secs']:.3f} | {cpu['render_secs']:.3f} | {redone.group(1)} |")
+P
+)"
+  done
+done
+
+say ""
+say "| picture, $large, 4 samples | card, s | processor, s | pixels that differ by more than 2 of 255 |"
 say "|---|---|---|---|"
 for name in pool-100k pool-1m splash-100k; do
   for device in gpu cpu; do
-    "$meniscus" render "$folder/$name.toml" -o "$folder/$name-$device.png" --size 1920x1080 --spp 4 \
+    "$meniscus" render "$folder/$name.toml" -o "$folder/$name-$device.png" --size "$large" --spp 4 \
       --device "$device" --stats "$folder/$name-$device-picture.json" -q
   done
   say "$(python3 - "$folder/$name" <<'P'

@@ -77,6 +77,7 @@ pub struct Device {
     pub(crate) programs: Programs,
     pub(crate) builders: Builders,
     pub(crate) peel: crate::peel::Kept,
+    pub(crate) stages: crate::stages::StagePrograms,
     info: AdapterInfo,
     /// What went wrong first, if anything did.
     trouble: Arc<Mutex<Option<String>>>,
@@ -188,6 +189,7 @@ impl Device {
             programs: Programs::default(),
             builders: Builders::default(),
             peel: crate::peel::Kept::default(),
+            stages: crate::stages::StagePrograms::default(),
             info,
             trouble,
             batches: AtomicU64::new(0),

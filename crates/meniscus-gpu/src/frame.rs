@@ -3,6 +3,7 @@
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::tracer::{FieldTracer, TraceWork, TracerOptions};
+use crate::uploaded::Uploaded;
 use meniscus::field::Motion;
 use meniscus::frame::{Blobs, Frame, Geometry};
 use meniscus::intersect::{BlobHit, BlobTracer, Scratch, TraceError};
@@ -105,8 +106,19 @@ impl<'d> FrameTracer<'d> {
         std::mem::take(&mut *self.work.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
+    /// The device.
+    pub(crate) fn device(&self) -> &'d Device {
+        self.device
+    }
+
+    /// The field of a geometry: `None` where it is not on the device, `Some(None)` where there is nothing
+    /// to hit.
+    pub(crate) fn uploaded(&self, geometry: u32) -> Option<Option<&Uploaded>> {
+        self.field(geometry).map(FieldTracer::uploaded)
+    }
+
     /// Takes note of what was done; whether the device did it. Else the CPU has to.
-    fn settle(&self, result: Result<TraceWork, GpuError>) -> Result<bool, TraceError> {
+    pub(crate) fn settle(&self, result: Result<TraceWork, GpuError>) -> Result<bool, TraceError> {
         match (result, self.takeover) {
             (Ok(work), _) => {
                 *self.work.lock().unwrap_or_else(PoisonError::into_inner) += work;

@@ -19,6 +19,7 @@ mod program;
 mod readback;
 mod shader;
 mod stage;
+mod stages;
 mod tracer;
 mod uploaded;
 
@@ -30,4 +31,5 @@ pub use peel::{
     peel_sources,
 };
 pub use shader::{BuildKind, BuildStep, ShaderKind, sources};
+pub use stages::StageModule;
 pub use tracer::{FieldTracer, TraceWork, TracerOptions, TreeUpdate};

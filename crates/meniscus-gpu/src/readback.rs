@@ -75,6 +75,22 @@ impl Clock {
         }
     }
 
+    /// For the first of several passes that are to be timed together.
+    pub(crate) fn beginning(&self) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            end_of_pass_write_index: None,
+            ..self.writes()
+        }
+    }
+
+    /// For the last of them.
+    pub(crate) fn end(&self) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            beginning_of_pass_write_index: None,
+            ..self.writes()
+        }
+    }
+
     /// Copies both times to a place in a buffer.
     pub(crate) fn copy_to(
         &self,

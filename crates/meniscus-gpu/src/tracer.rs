@@ -216,6 +216,11 @@ impl<'d> FieldTracer<'d> {
         tree + self.built.as_ref().map_or(0, BuiltTree::bytes)
     }
 
+    /// The field's buffers, where there is anything to hit.
+    pub(crate) fn uploaded(&self) -> Option<&Uploaded> {
+        self.uploaded.as_ref()
+    }
+
     /// Rays that are sent together.
     pub fn together(&self) -> usize {
         BATCH

@@ -4,7 +4,7 @@ use crate::batch::{Batch, Call, HitRecord, MET_BLOB_BYTES, ParamsRecord, RayReco
 use crate::chunks::Chunks;
 use crate::device::Device;
 use crate::error::GpuError;
-use crate::program::Question;
+use crate::program::{Program, Question};
 use crate::shader::{ShaderKind, WORKGROUP};
 use crate::stage::Bindings;
 use crate::tracer::TracerOptions;
@@ -16,7 +16,7 @@ use meniscus::math::aabb::Aabb;
 use meniscus::math::ray::{Ray, Side};
 use meniscus::primitive::Shapes;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Rays that are sent together.
@@ -161,6 +161,48 @@ impl Uploaded {
         ClippedRay::new(self.field_origin, self.bounds, ray)
     }
 
+    /// Local box around all supports.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// When the shutter opens and closes; both 0 where nothing moves.
+    pub(crate) fn shutter_secs(&self) -> [f64; 2] {
+        self.shutter_secs
+    }
+
+    /// The parameters without number of rays and room.
+    pub(crate) fn params(&self) -> ParamsRecord {
+        self.params
+    }
+
+    /// The shader that traces it.
+    pub(crate) fn program(&self, device: &Device) -> Arc<Program> {
+        device.programs.get(device, self.kind)
+    }
+
+    /// The field's buffers beside parameters, rays, hits and what rays meet.
+    pub(crate) fn bound(
+        &self,
+        device: &Device,
+        program: &Program,
+        buffers: [&wgpu::Buffer; 5],
+    ) -> wgpu::BindGroup {
+        self.bound_by(device, &program.bindings, buffers)
+    }
+
+    fn bound_by(
+        &self,
+        device: &Device,
+        bindings: &Bindings,
+        buffers: [&wgpu::Buffer; 5],
+    ) -> wgpu::BindGroup {
+        // Bindings without a buffer of their own are never read.
+        let field = self.placed.chunks.buffers.iter().cycle();
+        let field = field.take(self.kind.chunks as usize);
+        bindings.group(&device.device, buffers.into_iter().chain(field))
+    }
+
     /// Sends rays batch by batch; returns the device's own time in seconds.
     pub(crate) fn send(
         &self,
@@ -175,7 +217,7 @@ impl Uploaded {
         if waiting.is_empty() {
             return Ok(seconds);
         }
-        let program = device.programs.get(device, self.kind);
+        let program = self.program(device);
         let call = Call {
             pipeline: program.pipeline(device, question),
             params: self.params,
@@ -264,10 +306,7 @@ impl Uploaded {
         match idle {
             Some(batch) => Ok(batch),
             None => Batch::new(device, room(device), |buffers| {
-                // Bindings without a buffer of their own are never read.
-                let field = self.placed.chunks.buffers.iter().cycle();
-                let field = field.take(self.kind.chunks as usize);
-                bindings.group(&device.device, buffers.into_iter().chain(field))
+                self.bound_by(device, bindings, buffers)
             }),
         }
     }

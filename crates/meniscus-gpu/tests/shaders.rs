@@ -1,9 +1,10 @@
 //! Every shader is valid, on any machine: no adapter is asked.
 
 use meniscus::kernel::Kernel;
-use meniscus::scene::PeelVariant;
+use meniscus::scene::{IntegratorKind, PeelVariant};
 use meniscus_gpu::{
-    BuildKind, BuildStep, Clipping, PeelKind, PeelModule, ShaderKind, peel_sources, sources,
+    BuildKind, BuildStep, Clipping, PeelKind, PeelModule, ShaderKind, StageModule, peel_sources,
+    sources,
 };
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -101,6 +102,22 @@ fn those_of_peel_are_valid() {
     }
 }
 
+#[test]
+fn stages_are_valid() {
+    for module in StageModule::all() {
+        let text = module.sources();
+        let parsed = naga::front::wgsl::parse_str(&text)
+            .unwrap_or_else(|error| panic!("{module:?}: {}", error.emit_to_string(&text)));
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        if let Err(error) = validator.validate(&parsed) {
+            panic!("{module:?}: {}", error.emit_to_string(&text));
+        }
+        let entries = parsed.entry_points.iter();
+        let entries: Vec<&str> = entries.map(|entry| entry.name.as_str()).collect();
+        assert_eq!(entries, module.entry_points(), "{module:?}");
+    }
+}
+
 /// Records are written as plain words: these are the places that the host counts on.
 #[test]
 fn structs_lie_as_the_host_writes_them() {
@@ -112,6 +129,27 @@ fn structs_lie_as_the_host_writes_them() {
         (vec![0, 12, 16, 28, 32, 44, 48, 60], 64)
     );
     assert_eq!(offsets("HitRecord"), (vec![0, 4, 8, 12, 16, 28], 32));
+}
+
+#[test]
+fn structs_of_stages_lie_as_the_host_writes_them() {
+    let parsed =
+        |module: StageModule| naga::front::wgsl::parse_str(&module.sources()).expect("it is valid");
+    let rows = |count: u32| (0..count).flat_map(|row| [16 * row, 16 * row + 12]);
+    let surfaces = parsed(StageModule::Surfaces);
+    let picture = rows(10).chain((160..176).step_by(4)).chain([176]);
+    let picture = picture.chain((192..280).step_by(4)).collect();
+    assert_eq!(offsets_in(&surfaces, "Picture"), (picture, 288));
+    assert_eq!(offsets_in(&surfaces, "FieldPlace"), (rows(4).collect(), 64));
+    assert_eq!(offsets_in(&surfaces, "Question"), (rows(4).collect(), 64));
+    assert_eq!(offsets_in(&surfaces, "Seen"), (rows(3).collect(), 48));
+    assert_eq!(offsets_in(&surfaces, "Owner"), (vec![0, 4], 8));
+    assert_eq!(offsets_in(&surfaces, "LocalRay"), (rows(4).collect(), 64));
+    assert_eq!(offsets_in(&surfaces, "HitRecord").1, 32);
+    assert_eq!(offsets_in(&surfaces, "Answer").1, 64);
+    assert_eq!(offsets_in(&surfaces, "State").1, 112);
+    let whitted = parsed(StageModule::Integrator(IntegratorKind::Whitted));
+    assert_eq!(offsets_in(&whitted, "Branch").1, 96);
 }
 
 #[test]

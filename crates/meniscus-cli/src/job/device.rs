@@ -10,6 +10,7 @@ use meniscus::scene::camera::Camera;
 use meniscus_gpu::{
     AdapterChoice, Device, FrameTracer, GpuError, OpenOptions, PeelTracer, PeelWork, Takeover,
 };
+use std::fmt::Write as _;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -311,9 +312,13 @@ impl Tracing<'_> {
         if let Some(error) = lost {
             reporter.warn(&format!("{error}; the processor did the rest"));
         }
-        reporter.note(&format!(
+        let mut told = format!(
             "{} rays on the card, {} of them answered by the processor",
             work.rays, work.on_cpu
-        ));
+        );
+        if work.device_secs > 0.0 {
+            let _ = write!(told, "; {:.4} s by the card's own clock", work.device_secs);
+        }
+        reporter.note(&told);
     }
 }

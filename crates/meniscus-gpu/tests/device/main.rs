@@ -6,3 +6,4 @@ mod build;
 mod common;
 mod peel;
 mod pictures;
+mod stages;

@@ -227,7 +227,7 @@ fn little_room_loses_nothing() {
 
 /// What is claimed takes a million rays: `cargo test -p meniscus-gpu --test device -- --ignored`.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "20 minutes on lavapipe, under one on a card: run by benches/gpu.sh"]
 fn a_million_rays_of_cameras() {
     let scenes = corpus::suite();
     for variant in VARIANTS {
@@ -368,6 +368,7 @@ fn pictures_are_those_of_the_cpu() {
             let ours = DeviceBackend {
                 name: "gpu",
                 tracer: &tracer,
+                stages: None,
             };
             let rendered = |backend: &dyn Backend| {
                 let state = RenderState::new();

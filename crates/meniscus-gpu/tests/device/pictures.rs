@@ -74,6 +74,7 @@ fn check_same(device: &Device, kind: &str, scene: &Scene) {
     let backend = DeviceBackend {
         name: "gpu",
         tracer: &tracer,
+        stages: Some(&tracer),
     };
     let ours = picture(&rendered(&backend, &frame, scene).expect("the device works"));
     let theirs = picture(&rendered(&CpuBackend, &frame, scene).expect("the CPU works"));
@@ -176,6 +177,7 @@ fn the_cpu_takes_over_from_a_lost_device() {
         let backend = DeviceBackend {
             name: "gpu",
             tracer: &tracer,
+            stages: Some(&tracer),
         };
         let film = rendered(&backend, &frame, &scene).expect("the CPU takes over");
         check_budget("after a loss", &picture(&film), &expected);
@@ -196,6 +198,7 @@ fn without_takeover_a_lost_device_is_an_error() {
     let backend = DeviceBackend {
         name: "gpu",
         tracer: &tracer,
+        stages: Some(&tracer),
     };
     match rendered(&backend, &frame, &scene) {
         Err(RenderError::Device(error)) => {

@@ -123,6 +123,11 @@ impl Distribution {
         }
     }
 
+    /// Sums of the weights up to and including each.
+    pub fn sums(&self) -> &[f64] {
+        &self.sums
+    }
+
     fn weight(&self, index: usize) -> f64 {
         let before = if index == 0 {
             0.0
@@ -246,6 +251,11 @@ impl PixelFilter {
             .map(|(a, k)| a * (TAU * k * t).sin() / (TAU * k))
             .sum();
         t + sines / a0
+    }
+
+    /// Offsets along x or y for numbers at even steps from 0 to 1, between which the others lie.
+    pub fn steps(&self) -> &[f64] {
+        &self.offsets
     }
 
     /// The offset from the pixel centre, in pixels, for a point in [0, 1)².

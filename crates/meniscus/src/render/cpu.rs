@@ -2,7 +2,8 @@
 //! [`BlobTracer`], is made on this machine's processor.
 
 use super::noise::{SURE_SAMPLES, TileNoise};
-use super::{Backend, Progress, RenderError, RenderSettings, RenderState, RenderStats};
+use super::stages::{SampleBlock, SampleRun, SampleStages, StagedHit, StagedPicture, StagedSample};
+use super::{Backend, Progress, RenderError, RenderSettings, RenderState, RenderStats, Staging};
 use crate::film::{CURVATURE, Film, MOTION, NO_INDEX, PixelSample, Region, SurfaceSample};
 use crate::frame::environment::luminance;
 use crate::frame::{Frame, Geometry};
@@ -11,7 +12,7 @@ use crate::math::aabb::DAabb;
 use crate::math::ray::{Ray, Side};
 use crate::math::sampling::{PixelFilter, PixelSampler};
 use crate::scene::camera::Camera;
-use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader};
+use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader, Unstaged};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -44,6 +45,15 @@ const ON_DEVICE: Cut = Cut {
     waits: true,
 };
 
+/// Side of the tiles that a device shades by itself: whole waves of samples even where a pixel has one.
+const STAGED_SIDE: u32 = 512;
+
+/// Distance of an eye, over the size of the scene, from which on f32 tells distances badly apart.
+const FARTHEST_EYE: f64 = 1e3;
+
+/// As few samples that the processor has to do are not worth other threads.
+const FEW_SAMPLES: usize = 64;
+
 /// Renders on this machine's processor.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CpuBackend;
@@ -61,17 +71,20 @@ impl Backend for CpuBackend {
         state: &RenderState,
         progress: &Progress<'_>,
     ) -> Result<(Film, RenderStats), RenderError> {
-        Job::new((&OnCpu, ON_CPU), frame, camera, settings)?.run_on_threads(state, progress)
+        Job::new((&OnCpu, ON_CPU), None, (frame, camera), settings)?.run_on_threads(state, progress)
     }
 }
 
-/// Renders with blob surfaces traced by another device, and everything else by this machine's processor.
-#[derive(Debug, Clone, Copy)]
+/// Renders with blob surfaces traced by another device, which shades, too, what its stages know;
+/// everything else is made by this machine's processor.
+#[derive(Clone, Copy)]
 pub struct DeviceBackend<'a, T: ?Sized> {
     /// What `--device` calls it.
     pub name: &'static str,
     /// Answers rays on the blobs of the frame that is rendered.
     pub tracer: &'a T,
+    /// Shades whole samples, if it can.
+    pub stages: Option<&'a dyn SampleStages>,
 }
 
 impl<T> Backend for DeviceBackend<'_, T>
@@ -91,7 +104,13 @@ where
         state: &RenderState,
         progress: &Progress<'_>,
     ) -> Result<(Film, RenderStats), RenderError> {
-        Job::new((self.tracer, ON_DEVICE), frame, camera, settings)?.run_on_threads(state, progress)
+        Job::new(
+            (self.tracer, ON_DEVICE),
+            self.stages,
+            (frame, camera),
+            settings,
+        )?
+        .run_on_threads(state, progress)
     }
 }
 
@@ -113,6 +132,10 @@ struct Job<'a, T: ?Sized> {
     eye_side: Option<Side>,
     /// Box around all but planes while the shutter is open.
     bounds: DAabb,
+    /// What shades whole samples, and the world point that its answers are relative to.
+    stages: Option<(Box<dyn SampleRun + 'a>, DVec3)>,
+    /// Why nothing does, on a device.
+    unstaged: Option<Unstaged>,
 }
 
 impl<'a, T> Job<'a, T>
@@ -122,8 +145,8 @@ where
 {
     fn new(
         (tracer, cut): (&'a T, Cut),
-        frame: &'a Frame,
-        camera: &'a Camera,
+        stages: Option<&'a dyn SampleStages>,
+        (frame, camera): (&'a Frame, &'a Camera),
         settings: &'a RenderSettings,
     ) -> Result<Self, RenderError> {
         let samples = settings.samples.clone().unwrap_or(0..settings.spp);
@@ -139,7 +162,7 @@ where
         let [open, close] = settings.shutter_secs;
         // A shutter that opens for no time sees the frame as it is then.
         let eye_moves = camera.moves() && (open != 0.0 || close != 0.0);
-        Ok(Self {
+        let mut job = Self {
             tracer,
             cut,
             camera,
@@ -164,7 +187,42 @@ where
             filter: PixelFilter::default(),
             eye_side: (!eye_moves).then(|| eye_side(frame, &bounds, camera.eye)),
             bounds,
-        })
+            stages: None,
+            unstaged: None,
+        };
+        if cut.waits {
+            match job.staged(stages) {
+                Ok(staged) => {
+                    job.stages = Some(staged);
+                    job.cut.tile_side = STAGED_SIDE;
+                }
+                Err(why) => job.unstaged = Some(why),
+            }
+        }
+        Ok(job)
+    }
+
+    fn staged(
+        &self,
+        stages: Option<&'a dyn SampleStages>,
+    ) -> Result<(Box<dyn SampleRun + 'a>, DVec3), Unstaged> {
+        let stages = stages.ok_or(Unstaged::Engine)?;
+        let shading = self.shader.staged()?;
+        let size = self.bounds.size().max_element();
+        if self.camera.eye.distance(self.bounds.center()) > FARTHEST_EYE * size {
+            return Err(Unstaged::FarEye);
+        }
+        let origin = shading.origin;
+        let picture = StagedPicture {
+            shading,
+            camera: self.camera.clone(),
+            filter: self.filter.clone(),
+            spp: self.settings.spp,
+            seeds: [self.settings.seed, self.settings.seed ^ TIME_SEED],
+            shutter_secs: self.settings.shutter_secs,
+            eye_side: self.eye_side.unwrap_or_default(),
+        };
+        Ok((stages.start(&picture)?, origin))
     }
 
     fn film(&self, region: Region) -> Result<Film, RenderError> {
@@ -216,8 +274,10 @@ where
                 || state.borrow(),
                 |loan, tile| {
                     let scratch = &mut loan.scratch;
-                    let film = self.tile(tile, pass.clone(), scratch, progress)?;
+                    let (film, staging) =
+                        self.tile(tile, pass.clone(), (&mut *scratch, state), progress)?;
                     let stats = RenderStats {
+                        staging,
                         rays: std::mem::take(&mut scratch.rays),
                         counters: std::mem::take(&mut scratch.trace.counters),
                         ..RenderStats::default()
@@ -280,10 +340,13 @@ where
         &self,
         tile: &mut Tile,
         samples: Range<u32>,
-        scratch: &mut ShadeScratch,
+        (scratch, state): (&mut ShadeScratch, &RenderState),
         progress: &Progress<'_>,
-    ) -> Result<Film, RenderError> {
+    ) -> Result<(Film, Option<Staging>), RenderError> {
         let region = tile.region;
+        if let Some(done) = self.staged_tile(tile, &samples, (&mut *scratch, state), progress)? {
+            return Ok(done);
+        }
         let block_side = self.cut.block_side;
         let mut film = self.film(region)?;
         let mut block = Block::default();
@@ -305,7 +368,135 @@ where
             }
         }
         tile.noise.counted(samples.len() as u32);
-        Ok(film)
+        Ok((film, self.unstaged.map(Staging::Processor)))
+    }
+
+    /// The tile by the device's own stages; `None` where there are none, or the device is gone.
+    fn staged_tile(
+        &self,
+        tile: &mut Tile,
+        samples: &Range<u32>,
+        (scratch, state): (&mut ShadeScratch, &RenderState),
+        progress: &Progress<'_>,
+    ) -> Result<Option<(Film, Option<Staging>)>, RenderError> {
+        let Some((run, origin)) = &self.stages else {
+            return Ok(None);
+        };
+        let block = SampleBlock {
+            region: tile.region,
+            samples: samples.clone(),
+        };
+        let mut film = self.film(tile.region)?;
+        let mut noise = tile.noise.clone();
+        let mut answers = Vec::new();
+        let mut on_cpu = 0;
+        let mut done = 0;
+        while done < block.count() {
+            if progress.is_cancelled() {
+                return Err(RenderError::Cancelled);
+            }
+            let numbers = done..block.count().min(done + run.together());
+            if !run.shade(&block, numbers.clone(), &mut answers, &mut scratch.rays)? {
+                return Ok(None);
+            }
+            let places = numbers.clone().map(|number| block.place(number));
+            let in_doubt: Vec<Place> = (places.clone().zip(&answers))
+                .filter(|(_, answer)| **answer == StagedSample::InDoubt)
+                .map(|(place, _)| place)
+                .collect();
+            on_cpu += in_doubt.len() as u64;
+            let mut again = self.redo(&in_doubt, (&mut *scratch, state)).into_iter();
+            // In their order, so that sums over pixels are always the same.
+            for ((pixel, sample), answer) in places.zip(&answers) {
+                match *answer {
+                    StagedSample::InDoubt => {
+                        if let Some((start, secs, seen, attributes)) = again.next() {
+                            let at = (&start, secs, sample);
+                            self.add(&mut film, &mut noise, at, &seen, &attributes);
+                        }
+                    }
+                    StagedSample::Seen {
+                        radiance,
+                        is_covered,
+                        hit,
+                    } => {
+                        let start = self.start(pixel, sample);
+                        let secs = self.time_secs(pixel, sample);
+                        let hit = hit.map(|hit| hit_of(&hit, *origin));
+                        let shader = &self.shader;
+                        let seen = shader.seen_by_stages(radiance, is_covered, hit, secs, scratch);
+                        let at = (&start, secs, sample);
+                        self.add(&mut film, &mut noise, at, &seen, scratch.attributes());
+                    }
+                }
+            }
+            done = numbers.end;
+        }
+        tile.noise = noise;
+        tile.noise.counted(samples.len() as u32);
+        let staging = Staging::Device {
+            samples: block.count(),
+            on_cpu,
+        };
+        Ok(Some((film, Some(staging))))
+    }
+
+    /// What samples saw that a device's stages leave to the processor, when, and attributes there.
+    fn redo(
+        &self,
+        places: &[Place],
+        (scratch, state): (&mut ShadeScratch, &RenderState),
+    ) -> Vec<(Start, f64, Seen, Vec<f32>)> {
+        let alone = |&(pixel, sample): &Place, scratch: &mut ShadeScratch| {
+            let mut start = self.start(pixel, sample);
+            let mut eye = EyeRays::default();
+            eye.rays.push(self.eye_ray(&start, sample));
+            let Ok(()) = self.shader.find_first(&OnCpu, &mut eye, scratch);
+            let seen = self.shader.sample(&eye, 0, &mut start.sampler, scratch);
+            (start, eye.rays[0].time, seen, scratch.attributes().to_vec())
+        };
+        if places.len() <= FEW_SAMPLES {
+            let seen = places.iter().map(|place| alone(place, &mut *scratch));
+            return seen.collect();
+        }
+        let parts = places.par_chunks(FEW_SAMPLES).map(|part| {
+            let mut loan = state.borrow();
+            let seen = part.iter().map(|place| alone(place, &mut loan.scratch));
+            let seen: Vec<_> = seen.collect();
+            (seen, std::mem::take(&mut loan.scratch.rays))
+        });
+        let parts: Vec<_> = parts.collect();
+        let mut all = Vec::with_capacity(places.len());
+        for (seen, rays) in parts {
+            scratch.rays += rays;
+            all.extend(seen);
+        }
+        all
+    }
+
+    /// A sample before it is traced.
+    fn start(&self, pixel: [u32; 2], sample: u32) -> Start {
+        let mut sampler = PixelSampler::new(pixel, sample, self.settings.seed);
+        Start {
+            pixel,
+            position: self
+                .filter
+                .film_position(pixel, self.settings.spp, &mut sampler),
+            sampler,
+        }
+    }
+
+    /// The eye's ray of a sample.
+    fn eye_ray(&self, start: &Start, sample: u32) -> Ray {
+        let secs = self.time_secs(start.pixel, sample);
+        let ray = self.camera.ray_at(start.position, secs);
+        let side = self.eye_side;
+        let antialiases = self.settings.integrator.specular_antialiasing;
+        Ray {
+            side: side.unwrap_or_else(|| eye_side(self.frame, &self.bounds, ray.origin)),
+            differential: antialiases.then(|| self.camera.differential_at(start.position, secs)),
+            ..ray
+        }
     }
 
     /// Traces the eye's rays of one sample of the block at `left`, `top`: always the whole block, as far
@@ -322,24 +513,9 @@ where
         let [width, height] = self.camera.size;
         for y in top..(top + self.cut.block_side).min(height) {
             for x in left..(left + self.cut.block_side).min(width) {
-                let mut sampler = PixelSampler::new([x, y], sample, self.settings.seed);
-                let position = self
-                    .filter
-                    .film_position([x, y], self.settings.spp, &mut sampler);
-                let secs = self.time_secs([x, y], sample);
-                let ray = self.camera.ray_at(position, secs);
-                let side = self.eye_side;
-                let antialiases = self.settings.integrator.specular_antialiasing;
-                block.eye.rays.push(Ray {
-                    side: side.unwrap_or_else(|| eye_side(self.frame, &self.bounds, ray.origin)),
-                    differential: antialiases.then(|| self.camera.differential_at(position, secs)),
-                    ..ray
-                });
-                block.starts.push(Start {
-                    pixel: [x, y],
-                    position,
-                    sampler,
-                });
+                let start = self.start([x, y], sample);
+                block.eye.rays.push(self.eye_ray(&start, sample));
+                block.starts.push(start);
             }
         }
         Ok(self
@@ -369,29 +545,9 @@ where
     ) -> Result<(), RenderError> {
         let Tile { region, noise } = tile;
         let Block { starts, eye } = block;
+        let region = *region;
         let mut add = |start: &Start, time_secs: f64, seen: &Seen, attributes: &[f32]| {
-            let [x, y] = start.pixel;
-            let Some(pixel) = region.index(x, y) else {
-                return;
-            };
-            let offset = [
-                start.position[0] - f64::from(x) - 0.5,
-                start.position[1] - f64::from(y) - 0.5,
-            ];
-            let sample_seen = PixelSample {
-                radiance: seen.radiance,
-                coverage: seen.coverage,
-                backdrop: seen.backdrop,
-                albedo: seen.albedo,
-                denoising_albedo: seen.denoising_albedo,
-                surface: self.surface_sample(seen, time_secs),
-                attributes,
-            };
-            film.add(x, y, sample, offset, &sample_seen);
-            if self.settings.noise.is_some() {
-                let luminance = luminance(Vec3::from_array(seen.radiance));
-                noise.add(pixel, luminance);
-            }
+            self.add(film, noise, (start, time_secs, sample), seen, attributes);
         };
         let is_wanted = |start: &Start| region.index(start.pixel[0], start.pixel[1]).is_some();
         if self.cut.waits {
@@ -417,6 +573,39 @@ where
             add(start, eye.rays[index].time, &seen, scratch.attributes());
         }
         Ok(())
+    }
+
+    /// Adds what a sample saw, if its pixel lies in the film.
+    fn add(
+        &self,
+        film: &mut Film,
+        noise: &mut TileNoise,
+        (start, time_secs, sample): (&Start, f64, u32),
+        seen: &Seen,
+        attributes: &[f32],
+    ) {
+        let [x, y] = start.pixel;
+        let Some(pixel) = film.region().index(x, y) else {
+            return;
+        };
+        let offset = [
+            start.position[0] - f64::from(x) - 0.5,
+            start.position[1] - f64::from(y) - 0.5,
+        ];
+        let sample_seen = PixelSample {
+            radiance: seen.radiance,
+            coverage: seen.coverage,
+            backdrop: seen.backdrop,
+            albedo: seen.albedo,
+            denoising_albedo: seen.denoising_albedo,
+            surface: self.surface_sample(seen, time_secs),
+            attributes,
+        };
+        film.add(x, y, sample, offset, &sample_seen);
+        if self.settings.noise.is_some() {
+            let luminance = luminance(Vec3::from_array(seen.radiance));
+            noise.add(pixel, luminance);
+        }
     }
 
     /// How far what was hit moves across the film while the shutter is open, in pixels; its particles to
@@ -457,8 +646,26 @@ where
     }
 }
 
+/// What a device's stages met, in the world.
+fn hit_of(hit: &StagedHit, origin: DVec3) -> Hit {
+    let normal = hit.normal.as_dvec3();
+    Hit {
+        // Films do not ask for it.
+        t: 0.0,
+        position: origin + hit.position.as_dvec3(),
+        normal,
+        shading_normal: normal,
+        surface: hit.surface,
+        blob: hit.blob,
+        entering: hit.entering,
+    }
+}
+
 /// Sets the times of samples apart from their other random numbers.
 const TIME_SEED: u32 = 0x5bd1_e995;
+
+/// A pixel, and the number of a sample of it.
+type Place = ([u32; 2], u32);
 
 /// A sample of a pixel before it is traced.
 struct Start {

@@ -8,12 +8,16 @@ mod error;
 mod noise;
 mod progress;
 mod settings;
+mod stages;
 mod state;
 
 pub use cpu::{CpuBackend, DeviceBackend};
 pub use error::RenderError;
 pub use progress::Progress;
-pub use settings::{RenderSettings, RenderStats};
+pub use settings::{RenderSettings, RenderStats, Staging};
+pub use stages::{
+    STRIP_ROWS, SampleBlock, SampleRun, SampleStages, StagedHit, StagedPicture, StagedSample,
+};
 pub use state::RenderState;
 
 use crate::film::Film;

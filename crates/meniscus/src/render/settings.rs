@@ -3,7 +3,7 @@
 use crate::film::{ChannelSet, Region};
 use crate::intersect::Counters;
 use crate::scene::{Background, IntegratorSettings};
-use crate::shade::RayCounts;
+use crate::shade::{RayCounts, Unstaged};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
@@ -67,11 +67,49 @@ pub struct RenderStats {
     pub threads: usize,
     /// Wall-clock time.
     pub seconds: f64,
+    /// Who shaded, where a device traced.
+    pub staging: Option<Staging>,
+}
+
+/// Who shaded a picture that a device traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Staging {
+    /// The device's own stages.
+    Device {
+        /// Samples in all.
+        samples: u64,
+        /// Samples among them that the processor did.
+        on_cpu: u64,
+    },
+    /// The processor, and why.
+    Processor(Unstaged),
+}
+
+impl Staging {
+    fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (
+                Self::Device { samples, on_cpu },
+                Self::Device {
+                    samples: more,
+                    on_cpu: more_on_cpu,
+                },
+            ) => Self::Device {
+                samples: samples + more,
+                on_cpu: on_cpu + more_on_cpu,
+            },
+            (Self::Processor(why), _) | (_, Self::Processor(why)) => Self::Processor(why),
+        }
+    }
 }
 
 impl RenderStats {
     pub(super) fn add(&mut self, other: &Self) {
         self.rays += other.rays;
         self.counters += other.counters;
+        self.staging = match (self.staging, other.staging) {
+            (Some(a), Some(b)) => Some(a.and(b)),
+            (a, b) => a.or(b),
+        };
     }
 }

@@ -10,11 +10,11 @@ const HEAD_ON: f32 = 0.04;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gloss {
     /// Reflectance head on.
-    head_on: f32,
+    pub(super) head_on: f32,
     /// Reflectance at grazing angles: rough coats reflect less there.
-    grazing: f32,
+    pub(super) grazing: f32,
     /// GGX width, roughness².
-    width: f32,
+    pub(super) width: f32,
 }
 
 impl Gloss {

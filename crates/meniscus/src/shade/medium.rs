@@ -32,7 +32,7 @@ impl MediumStack {
         stack
     }
 
-    fn surfaces(&self) -> &[u32] {
+    pub(super) fn surfaces(&self) -> &[u32] {
         &self.surfaces[..usize::from(self.count)]
     }
 

@@ -9,10 +9,17 @@ mod integrator;
 mod interaction;
 mod light;
 mod medium;
+mod probe;
 mod rays;
+mod stages;
 mod world;
 
 pub use attributes::{AttributeLayout, frame_attributes};
 pub use integrator::{ShadeSettings, Shader};
 pub use light::Sky;
+pub use probe::Drawn;
 pub use rays::{EyeRays, RayCounts, Seen, ShadeScratch};
+pub use stages::{
+    ALBEDO_ENTRIES, AMBIENT_WORDS, EMITTER_WORDS, MATERIAL_WORDS, MOST_SURFACES, SURFACE_WORDS,
+    StagedField, StagedShading, Unstaged,
+};

@@ -20,7 +20,7 @@ use glam::{DVec3, Vec3};
 
 /// What a material needs beside its numbers, made once.
 #[derive(Debug)]
-enum Prepared {
+pub(super) enum Prepared {
     Diffuse,
     Conductor,
     Coated(Box<Coat>),
@@ -95,14 +95,14 @@ impl Contact {
 pub(super) struct World<'a> {
     pub(super) frame: &'a Frame,
     pub(super) lights: Lights,
-    background: Background,
+    pub(super) background: Background,
     /// Stands behind everything in a scene that has nothing around it.
-    default_sky: Sky,
-    prepared: Vec<Prepared>,
+    pub(super) default_sky: Sky,
+    pub(super) prepared: Vec<Prepared>,
     /// How many surfaces have clear media inside.
-    medium_count: usize,
+    pub(super) medium_count: usize,
     /// Whether there are thin sheets.
-    has_sheets: bool,
+    pub(super) has_sheets: bool,
     /// If all attributes are wanted at every first hit.
     attributes: Option<AttributeLayout>,
     /// Widens highlights.

@@ -13,7 +13,7 @@ use meniscus::film::{ChannelSet, Curve, Film, FilmError, Legend, Tone, WhitePoin
 use meniscus::frame::{BaseColor, Frame};
 use meniscus::render::{
     Backend, CpuBackend, DeviceBackend, Progress, RenderError, RenderSettings, RenderState,
-    RenderStats,
+    RenderStats, Staging,
 };
 use meniscus::scene::Scene;
 use meniscus::scene::camera::Camera;
@@ -55,6 +55,16 @@ fn mean_samples(film: &Film, rendered: &RenderStats) -> f64 {
     rendered.rays.primary as f64 / film.region().pixels().max(1) as f64
 }
 
+/// Who shaded.
+fn told(staging: &Staging) -> String {
+    match staging {
+        Staging::Device { samples, on_cpu } => {
+            format!("{samples} samples shaded on the card, {on_cpu} of them by the processor")
+        }
+        Staging::Processor(why) => format!("shaded by the processor: {why}"),
+    }
+}
+
 /// Whether pixels may get fewer samples than `spp`.
 fn film_stops_early(work: &FrameWork<'_>) -> bool {
     work.scene().film.noise.is_some() || work.options.time_limit.is_some()
@@ -87,7 +97,7 @@ impl FrameWork<'_> {
             let center = loaded.frame.framing_bounds().center();
             camera = camera.turned(center, loaded.frame.up, self.turn);
         }
-        let (mut film, rendered) = self.film(&loaded.frame, &camera, reporter)?;
+        let (mut film, rendered, device_secs) = self.film(&loaded.frame, &camera, reporter)?;
         if self.options.denoise {
             reporter.stage("denoise");
             film.denoise()
@@ -116,7 +126,10 @@ impl FrameWork<'_> {
         ));
         let total_secs = read_secs + build_secs + start.elapsed().as_secs_f64();
         let mean_samples = mean_samples(&film, &rendered);
-        Ok(self.stats(&rendered, mean_samples, [write_secs, total_secs]))
+        Ok(FrameStats {
+            device_secs,
+            ..self.stats(&rendered, mean_samples, [write_secs, total_secs])
+        })
     }
 
     fn film(
@@ -124,7 +137,7 @@ impl FrameWork<'_> {
         frame: &Frame,
         camera: &Camera,
         reporter: &Reporter,
-    ) -> Outcome<(Film, RenderStats)> {
+    ) -> Outcome<(Film, RenderStats, Option<f64>)> {
         let film = &self.scene().film;
         let mut aov = self.options.aov.clone();
         if self.scene().cues.silhouettes > 0.0 {
@@ -164,6 +177,7 @@ impl FrameWork<'_> {
                 let backend = DeviceBackend {
                     name: "gpu",
                     tracer: &**tracer,
+                    stages: Some(&**tracer),
                 };
                 backend.render(frame, camera, &settings, self.state, &progress)
             }
@@ -171,15 +185,27 @@ impl FrameWork<'_> {
                 let backend = DeviceBackend {
                     name: "gpu",
                     tracer: &**tracer,
+                    stages: None,
                 };
                 backend.render(frame, camera, &settings, self.state, &progress)
             }
         };
+        let device_secs = tracing.device_secs();
         tracing.tell(reporter);
+        if let Ok((
+            _,
+            RenderStats {
+                staging: Some(staging),
+                ..
+            },
+        )) = &rendered
+        {
+            reporter.note(&told(staging));
+        }
         rendered
             .map(|(film, stats)| {
                 let seconds = stats.seconds + upload_secs;
-                (film, RenderStats { seconds, ..stats })
+                (film, RenderStats { seconds, ..stats }, device_secs)
             })
             .map_err(|error| match error {
                 RenderError::Device(error) => trace_failure(&error),
@@ -282,6 +308,7 @@ impl FrameWork<'_> {
             read_secs: self.ready.read_secs,
             build_secs: self.ready.build_secs,
             render_secs: rendered.seconds,
+            device_secs: None,
             write_secs,
             total_secs,
             structure_bytes: loaded.frame.structure_bytes(),

@@ -92,6 +92,26 @@ impl Environment {
         self.mean
     }
 
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// The image, row by row from the zenith down.
+    pub fn texels(&self) -> &[[f32; 3]] {
+        &self.texels
+    }
+
+    /// Directions of the image's right, the zenith, and the image's middle.
+    pub fn axes(&self) -> [DVec3; 3] {
+        self.axes
+    }
+
+    /// How rows are drawn, and the texels of each row.
+    pub fn distributions(&self) -> (&Distribution, &[Distribution]) {
+        (&self.rows, &self.columns)
+    }
+
     /// Place of a unit direction in the image: column and row, as parts of width and height.
     fn place(&self, direction: DVec3) -> [f64; 2] {
         let [right, up, forward] = self.axes.map(|axis| axis.dot(direction));

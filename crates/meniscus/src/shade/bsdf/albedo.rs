@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::sync::LazyLock;
 
 /// Entries along each side of a table.
-const ENTRIES: usize = 32;
+pub(in crate::shade) const ENTRIES: usize = 32;
 /// Points at which a mean over facets is taken.
 const FACETS: u32 = 256;
 
@@ -15,9 +15,9 @@ const FACETS: u32 = 256;
 #[derive(Debug, Clone)]
 pub(in crate::shade) struct AlbedoTable {
     /// Rows of equal roughness; along a row the square root of the cosine rises from 0 to 1.
-    entries: Vec<f64>,
+    pub(in crate::shade) entries: Vec<f64>,
     /// Mean over all cosines, weighted by the cosine; one per row.
-    means: Vec<f64>,
+    pub(in crate::shade) means: Vec<f64>,
 }
 
 /// Of a boundary that reflects everything.
@@ -25,7 +25,7 @@ static FULL: LazyLock<AlbedoTable> = LazyLock::new(|| AlbedoTable::new(|_| 1.0, 
 
 impl AlbedoTable {
     /// Of a boundary that reflects everything: what single scattering keeps of it.
-    pub(super) fn full() -> &'static Self {
+    pub(in crate::shade) fn full() -> &'static Self {
         &FULL
     }
 

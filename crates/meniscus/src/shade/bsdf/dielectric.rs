@@ -11,8 +11,8 @@ use glam::{DVec3, Vec3};
 /// What a rough boundary keeps by single scattering, seen from either side.
 #[derive(Debug, Clone)]
 pub(in crate::shade) struct RoughBoundary {
-    from_thin: AlbedoTable,
-    from_dense: AlbedoTable,
+    pub(in crate::shade) from_thin: AlbedoTable,
+    pub(in crate::shade) from_dense: AlbedoTable,
 }
 
 impl RoughBoundary {

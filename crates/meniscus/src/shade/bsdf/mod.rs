@@ -15,6 +15,7 @@ mod microfacet;
 mod plastic;
 mod sheet;
 
+pub(super) use albedo::{AlbedoTable, ENTRIES as ALBEDO_ENTRIES};
 pub(super) use conductor::Conductor;
 pub(super) use dielectric::{Dielectric, RoughBoundary};
 pub(super) use diffuse::Diffuse;

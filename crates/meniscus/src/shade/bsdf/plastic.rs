@@ -12,9 +12,9 @@ use std::f64::consts::FRAC_1_PI;
 /// A coat: its index and strength, and what it reflects in all.
 #[derive(Debug, Clone)]
 pub(in crate::shade) struct Coat {
-    ior: f64,
-    strength: f64,
-    albedo: AlbedoTable,
+    pub(in crate::shade) ior: f64,
+    pub(in crate::shade) strength: f64,
+    pub(in crate::shade) albedo: AlbedoTable,
 }
 
 impl Coat {

@@ -9,12 +9,12 @@ use std::f64::consts::PI;
 const DIRECTIONS: u32 = 4096;
 
 /// What surrounds a scene, as surfaces see it that nothing shades.
-pub(super) struct Ambient {
-    sky: Option<Sky>,
-    constant: Vec3,
+pub(in crate::shade) struct Ambient {
+    pub(in crate::shade) sky: Option<Sky>,
+    pub(in crate::shade) constant: Vec3,
     /// Irradiance over π of the environment images: spherical harmonics up to degree 2, convolved
     /// with the cosine (Ramamoorthi & Hanrahan 2001).
-    harmonics: Option<[Vec3; 9]>,
+    pub(in crate::shade) harmonics: Option<[Vec3; 9]>,
     up: DVec3,
 }
 

@@ -1,6 +1,6 @@
 //! Ways of gathering light, one file each: a closed list.
 
-mod ambient;
+pub(super) mod ambient;
 mod ao;
 mod path;
 mod shaded;
@@ -59,24 +59,24 @@ impl Default for ShadeSettings {
 
 /// Shades the surfaces of one frame.
 pub struct Shader<'a> {
-    world: World<'a>,
-    settings: ShadeSettings,
+    pub(super) world: World<'a>,
+    pub(super) settings: ShadeSettings,
     /// Media around the eye at the frame's time; `None` where they may be others at other times.
-    media: Option<MediumStack>,
+    pub(super) media: Option<MediumStack>,
     /// Light from all around, for `shaded` and `whitted`.
-    ambient: Ambient,
+    pub(super) ambient: Ambient,
     /// Coats of `shaded`, one per material.
-    gloss: Vec<Option<Gloss>>,
+    pub(super) gloss: Vec<Option<Gloss>>,
 }
 
 /// What an integrator found along an eye's ray.
-struct Gathered {
+pub(super) struct Gathered {
     /// Light towards the eye, without what shows behind a faded ground.
-    radiance: Vec3,
+    pub(super) radiance: Vec3,
     /// The first surface and its base colour.
-    first: Option<(Hit, Vec3)>,
+    pub(super) first: Option<(Hit, Vec3)>,
     /// Whether something was seen, a surface or a lamp.
-    is_covered: bool,
+    pub(super) is_covered: bool,
 }
 
 impl Gathered {
@@ -223,7 +223,25 @@ impl<'a> Shader<'a> {
             IntegratorKind::Ao => self.ambient_occlusion(ray, first, sampler, ask).await,
             IntegratorKind::Path => self.path(ray, first, sampler, ask).await,
         };
-        ask.scratch().attributes.all.clear();
+        let radiance = match &gathered.first {
+            None => gathered.radiance,
+            // A file without background keeps the whole ground for whoever composes it.
+            Some(_) if self.settings.background == Background::Transparent => gathered.radiance,
+            Some((hit, _)) => {
+                let opacity = self.world.opacity(hit);
+                gathered.radiance * opacity + self.world.behind(ray.direction) * (1.0 - opacity)
+            }
+        };
+        let gathered = Gathered {
+            radiance,
+            ..gathered
+        };
+        self.seen(&gathered, &mut ask.scratch())
+    }
+
+    /// What a sample saw whose radiance has what shows behind a faded ground.
+    pub(super) fn seen(&self, gathered: &Gathered, scratch: &mut ShadeScratch) -> Seen {
+        scratch.attributes.all.clear();
         let Some((hit, color)) = gathered.first else {
             return Seen {
                 radiance: gathered.radiance.to_array(),
@@ -235,17 +253,11 @@ impl<'a> Shader<'a> {
                 row: None,
             };
         };
-        self.world.fill_attributes(&hit, &mut ask.scratch());
-        let opacity = self.world.opacity(&hit);
-        let radiance = match self.settings.background {
-            // A file without background keeps the whole ground for whoever composes it.
-            Background::Transparent => gathered.radiance,
-            _ => gathered.radiance * opacity + self.world.behind(ray.direction) * (1.0 - opacity),
-        };
+        self.world.fill_attributes(&hit, scratch);
         Seen {
-            radiance: radiance.to_array(),
+            radiance: gathered.radiance.to_array(),
             coverage: 1.0,
-            backdrop: 1.0 - opacity,
+            backdrop: 1.0 - self.world.opacity(&hit),
             albedo: color.to_array(),
             denoising_albedo: match self.world.material(hit.surface).0.kind.is_clear() {
                 true => [1.0; 3],

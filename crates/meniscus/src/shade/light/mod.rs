@@ -185,7 +185,7 @@ impl Emitter {
 /// All lights of a frame.
 #[derive(Debug)]
 pub(super) struct Lights {
-    emitters: Vec<Emitter>,
+    pub(super) emitters: Vec<Emitter>,
     up: DVec3,
 }
 

@@ -7,12 +7,12 @@ use std::f64::consts::FRAC_1_PI;
 /// A parallelogram of one radiance.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct Rectangle {
-    pub(super) center: DVec3,
-    edges: [DVec3; 2],
+    pub(in crate::shade) center: DVec3,
+    pub(in crate::shade) edges: [DVec3; 2],
     /// Unit vector towards which it shines.
     normal: DVec3,
     area: f64,
-    radiance: Vec3,
+    pub(in crate::shade) radiance: Vec3,
 }
 
 impl Rectangle {

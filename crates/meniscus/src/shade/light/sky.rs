@@ -12,11 +12,11 @@ const NADIR: Vec3 = Vec3::new(0.50, 0.49, 0.48);
 /// From the horizon upwards and downwards it runs to zenith and nadir with weight 1 − (1 − |h|)².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sky {
-    horizon: Vec3,
-    zenith: Vec3,
-    nadir: Vec3,
+    pub(in crate::shade) horizon: Vec3,
+    pub(in crate::shade) zenith: Vec3,
+    pub(in crate::shade) nadir: Vec3,
     /// Radiance of a white diffuse surface as a polynomial in h: coefficients of 1, h, h² and h⁴.
-    diffuse: [Vec3; 4],
+    pub(in crate::shade) diffuse: [Vec3; 4],
 }
 
 impl Sky {

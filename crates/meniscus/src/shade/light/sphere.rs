@@ -8,9 +8,9 @@ use std::f64::consts::{PI, TAU};
 /// A ball of one radiance.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct Sphere {
-    pub(super) center: DVec3,
-    radius: f64,
-    radiance: Vec3,
+    pub(in crate::shade) center: DVec3,
+    pub(in crate::shade) radius: f64,
+    pub(in crate::shade) radiance: Vec3,
 }
 
 impl Sphere {

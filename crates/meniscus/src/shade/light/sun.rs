@@ -8,11 +8,11 @@ use std::f64::consts::{PI, TAU};
 /// A sun of some apparent size, or of none.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct Sun {
-    towards: DVec3,
+    pub(in crate::shade) towards: DVec3,
     /// Irradiance on a surface that faces it, over π.
-    radiance: Vec3,
+    pub(in crate::shade) radiance: Vec3,
     /// 1 − cos of half its angle; 0: one direction.
-    height: f64,
+    pub(in crate::shade) height: f64,
 }
 
 impl Sun {
@@ -30,7 +30,7 @@ impl Sun {
         self.radiance
     }
 
-    fn is_point(&self) -> bool {
+    pub(in crate::shade) fn is_point(&self) -> bool {
         self.height < 1e-12
     }
 

@@ -1,0 +1,121 @@
+//! The stages' shaders, put together from files that are named as their CPU twins.
+
+use crate::shader::WORKGROUP;
+use meniscus::render::STRIP_ROWS;
+use meniscus::scene::IntegratorKind;
+use meniscus::shade::{ALBEDO_ENTRIES, EMITTER_WORDS, MATERIAL_WORDS, SURFACE_WORDS};
+
+/// Steps of the pixel filter's table.
+pub(crate) const FILTER_STEPS: u32 = 1025;
+
+/// One shader of the stages, with one or a few entry points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StageModule {
+    /// The eye's rays.
+    Begin,
+    /// Planes and spheres; questions clipped to fields, and answers merged.
+    Surfaces,
+    /// An integrator.
+    Integrator(IntegratorKind),
+}
+
+/// What all have.
+const COMMON: [&str; 4] = [
+    include_str!("../shaders/math/two_floats.wgsl"),
+    include_str!("../shaders/math/sampling.wgsl"),
+    include_str!("../shaders/frame/looks.wgsl"),
+    include_str!("../shaders/shade/asking.wgsl"),
+];
+
+const BEGIN: [&str; 2] = [
+    include_str!("../shaders/scene/camera.wgsl"),
+    include_str!("../shaders/shade/begin.wgsl"),
+];
+
+const SURFACES: [&str; 2] = [
+    include_str!("../shaders/intersect/solids.wgsl"),
+    include_str!("../shaders/intersect/clip.wgsl"),
+];
+
+/// What all integrators have.
+const SHADING: [&str; 7] = [
+    include_str!("../shaders/shade/light/lights.wgsl"),
+    include_str!("../shaders/shade/light/sun.wgsl"),
+    include_str!("../shaders/shade/light/sky.wgsl"),
+    include_str!("../shaders/shade/light/sphere.wgsl"),
+    include_str!("../shaders/shade/light/rectangle.wgsl"),
+    include_str!("../shaders/shade/light/environment.wgsl"),
+    include_str!("../shaders/shade/end.wgsl"),
+];
+
+/// What those have that scatter rays.
+const SCATTERING: [&str; 14] = [
+    include_str!("../shaders/shade/light/drawn.wgsl"),
+    include_str!("../shaders/shade/bsdf/bsdf.wgsl"),
+    include_str!("../shaders/shade/bsdf/fresnel.wgsl"),
+    include_str!("../shaders/shade/bsdf/microfacet.wgsl"),
+    include_str!("../shaders/shade/bsdf/albedo.wgsl"),
+    include_str!("../shaders/shade/bsdf/diffuse.wgsl"),
+    include_str!("../shaders/shade/bsdf/conductor.wgsl"),
+    include_str!("../shaders/shade/bsdf/plastic.wgsl"),
+    include_str!("../shaders/shade/bsdf/dielectric.wgsl"),
+    include_str!("../shaders/shade/bsdf/foam.wgsl"),
+    include_str!("../shaders/shade/bsdf/sheet.wgsl"),
+    include_str!("../shaders/shade/medium.wgsl"),
+    include_str!("../shaders/shade/world.wgsl"),
+    include_str!("../shaders/shade/heard.wgsl"),
+];
+
+const SHADED: [&str; 2] = [
+    include_str!("../shaders/shade/gloss.wgsl"),
+    include_str!("../shaders/shade/integrator/shaded.wgsl"),
+];
+const AO: [&str; 1] = [include_str!("../shaders/shade/integrator/ao.wgsl")];
+const WHITTED: [&str; 1] = [include_str!("../shaders/shade/integrator/whitted.wgsl")];
+const PATH: [&str; 1] = [include_str!("../shaders/shade/integrator/path.wgsl")];
+
+impl StageModule {
+    /// Every module.
+    pub fn all() -> impl Iterator<Item = Self> {
+        [Self::Begin, Self::Surfaces]
+            .into_iter()
+            .chain(IntegratorKind::ALL.map(Self::Integrator))
+    }
+
+    /// Its entry points.
+    pub fn entry_points(self) -> &'static [&'static str] {
+        match self {
+            Self::Begin => &["begin"],
+            Self::Surfaces => &["solids", "clip", "merge"],
+            Self::Integrator(_) => &["shade"],
+        }
+    }
+
+    fn parts(self) -> [&'static [&'static str]; 3] {
+        match self {
+            Self::Begin => [&[], &[], &BEGIN],
+            Self::Surfaces => [&[], &[], &SURFACES],
+            Self::Integrator(IntegratorKind::Shaded) => [&SHADING, &[], &SHADED],
+            Self::Integrator(IntegratorKind::Ao) => [&SHADING, &[], &AO],
+            Self::Integrator(IntegratorKind::Whitted) => [&SHADING, &SCATTERING, &WHITTED],
+            Self::Integrator(IntegratorKind::Path) => [&SHADING, &SCATTERING, &PATH],
+        }
+    }
+
+    /// Its whole text.
+    pub fn sources(self) -> String {
+        let numbers = [
+            ("WORKGROUP", WORKGROUP),
+            ("SURFACE_WORDS", SURFACE_WORDS),
+            ("MATERIAL_WORDS", MATERIAL_WORDS),
+            ("EMITTER_WORDS", EMITTER_WORDS),
+            ("STRIP_ROWS", STRIP_ROWS),
+            ("FILTER_STEPS", FILTER_STEPS),
+            ("ALBEDO_ENTRIES", ALBEDO_ENTRIES),
+        ];
+        let numbers = numbers.map(|(name, number)| format!("const {name}: u32 = {number}u;\n"));
+        let texts = COMMON.iter().chain(self.parts().into_iter().flatten());
+        let texts: Vec<&str> = texts.copied().collect();
+        numbers.concat() + &texts.join("\n")
+    }
+}

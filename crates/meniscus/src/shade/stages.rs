@@ -1,0 +1,528 @@
+//! What a shader knows, packed for a device whose own stages shade: flat words that both sides read.
+//!
+//! What each word holds stands here, beside the code that writes it; the device's twin is
+//! `shaders/frame/looks.wgsl` of `meniscus-gpu`. Numbers that count or choose are written as floats.
+
+use super::Shader;
+use super::bsdf::AlbedoTable;
+use super::integrator::Gathered;
+use super::light::{Emitter, Sky};
+use super::rays::{Seen, ShadeScratch};
+use super::world::Prepared;
+use crate::frame::{BaseColor, Frame, Geometry, Instance, Light, Material};
+use crate::intersect::Hit;
+use crate::scene::{Background, IntegratorKind, IntegratorSettings};
+use glam::{DMat3, DVec3, Vec3};
+use thiserror::Error;
+
+/// Why the processor has to shade a picture whose rays a device traces: the whole list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum Unstaged {
+    /// A triangle mesh.
+    #[error("there are meshes")]
+    Mesh,
+    /// Planes that cut.
+    #[error("surfaces are cut open")]
+    Cuts,
+    /// Blobs or spheres that an instance turns or stretches.
+    #[error("instances turn or stretch surfaces")]
+    Turned,
+    /// An instance that moves while the shutter is open.
+    #[error("instances move while the shutter is open")]
+    MovingInstance,
+    /// Media that may be others at other times.
+    #[error("clear surfaces move while the shutter is open")]
+    MovingMedia,
+    /// Blobs that turn while the shutter is open.
+    #[error("particles turn while the shutter is open")]
+    TurningBlobs,
+    /// A camera that moves while the shutter is open.
+    #[error("the camera moves while the shutter is open")]
+    MovingCamera,
+    /// An eye from which all is at one distance.
+    #[error("the camera is more than a thousand times as far away as the scene is large")]
+    FarEye,
+    /// Looks that vary over a surface.
+    #[error("particles' attributes colour surfaces")]
+    Attributes,
+    /// Wider highlights.
+    #[error("specular_antialiasing is on")]
+    SpecularAntialiasing,
+    /// More surfaces than a device's stack of media can name.
+    #[error("there are more than {MOST_SURFACES} surfaces")]
+    ManySurfaces,
+    /// No particles: there is nothing for a device.
+    #[error("there are no particles")]
+    NoBlobs,
+    /// The device has no room for them, or binds too few buffers.
+    #[error("the card has no room for more")]
+    Room,
+    /// The device traces by a method of its own.
+    #[error("its engine traces rays alone")]
+    Engine,
+}
+
+/// Most surfaces of a frame that stages shade: a stack of media names them by four bits.
+pub const MOST_SURFACES: usize = 14;
+
+/// Words whose numbers floats still tell apart.
+const MOST_WORDS: u32 = 1 << 24;
+
+/// Words per surface: (kind, material, –, –), then of a plane (normal, height of the origin over it),
+/// (–, –, –, low part of the height), of a sphere (centre, radius), (low part of the centre, –).
+pub const SURFACE_WORDS: u32 = 3;
+/// Words per material.
+pub const MATERIAL_WORDS: u32 = 5;
+/// Words per light.
+pub const EMITTER_WORDS: u32 = 5;
+/// Entries along each side of a table of what rough surfaces reflect.
+pub const ALBEDO_ENTRIES: u32 = super::bsdf::ALBEDO_ENTRIES as u32;
+/// Words of the light from all around: a constant; a sky's polynomial (4); spherical harmonics (9); the
+/// default sky's horizon, zenith, nadir.
+pub const AMBIENT_WORDS: u32 = 17;
+
+/// A blob surface of the frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StagedField {
+    /// Its instance.
+    pub surface: u32,
+    /// Its geometry.
+    pub geometry: u32,
+    /// Where the field's origin lies, relative to [`StagedShading::origin`].
+    pub offset: DVec3,
+}
+
+/// A frame's looks and lights, as stages read them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StagedShading {
+    /// World point that all positions are relative to.
+    pub origin: DVec3,
+    /// Surfaces, materials, lights, tables.
+    pub words: Vec<[f32; 4]>,
+    /// Word of the first surface, material, light, of the light from all around, and of the table of what
+    /// rough metals keep.
+    pub places: [u32; 5],
+    /// Surfaces and lights.
+    pub counts: [u32; 2],
+    /// Lights that cast hard shadows.
+    pub hard_lights: u32,
+    /// Blob surfaces.
+    pub fields: Vec<StagedField>,
+    /// Up.
+    pub up: Vec3,
+    /// The ground's surface, the middle of what it shows relative to [`StagedShading::origin`], and
+    /// [`crate::frame::GroundLook::radius`].
+    pub ground: Option<(u32, DVec3, f64)>,
+    /// What stands behind the surfaces.
+    pub background: Background,
+    /// Whether anything surrounds the scene.
+    pub has_surroundings: bool,
+    /// Clear media around the eye, in the order of entering: surface + 1, four bits each, the first lowest.
+    pub media: u32,
+    /// How many surfaces have clear media inside.
+    pub medium_count: u32,
+    /// Whether light may go straight through clear surfaces on its way to others.
+    pub light_walks: bool,
+    /// How light is gathered.
+    pub integrator: IntegratorSettings,
+    /// Rays of `ao` per sample.
+    pub ao_samples: u32,
+}
+
+/// Words under way.
+#[derive(Default)]
+struct Words(Vec<[f32; 4]>);
+
+impl Words {
+    /// Where the next word goes.
+    fn here(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    fn push(&mut self, v: Vec3, w: f32) {
+        self.0.push([v.x, v.y, v.z, w]);
+    }
+
+    /// Numbers, four to a word.
+    fn numbers(&mut self, numbers: impl Iterator<Item = f64>) -> u32 {
+        let here = self.here();
+        for (i, number) in numbers.enumerate() {
+            if i % 4 == 0 {
+                self.0.push([0.0; 4]);
+            }
+            let last = self.0.len() - 1;
+            self.0[last][i % 4] = number as f32;
+        }
+        here
+    }
+
+    /// A table's entries, then its means.
+    fn albedo(&mut self, table: &AlbedoTable) -> u32 {
+        let here = self.numbers(table.entries.iter().copied());
+        self.numbers(table.means.iter().copied());
+        here
+    }
+
+    fn sky(&mut self, sky: &Sky) {
+        for color in [sky.horizon, sky.zenith, sky.nadir] {
+            self.push(color, 0.0);
+        }
+    }
+}
+
+/// The leading digits of a vector, and the rest.
+fn halves(v: DVec3) -> [Vec3; 2] {
+    let high = v.as_vec3();
+    [high, (v - high.as_dvec3()).as_vec3()]
+}
+
+/// Whether an instance only moves what it places.
+fn is_upright(instance: &Instance) -> bool {
+    instance.world_from_object.matrix3 == DMat3::IDENTITY
+}
+
+impl Shader<'_> {
+    /// What stages need to shade as this shader does.
+    ///
+    /// # Errors
+    /// Where they cannot.
+    pub fn staged(&self) -> Result<StagedShading, Unstaged> {
+        let frame = self.world.frame;
+        self.check_stages(frame)?;
+        let fields = |origin: DVec3| {
+            let instances = frame.instances.iter().enumerate();
+            instances.filter_map(move |(surface, instance)| {
+                let blobs = frame.geometries[instance.geometry as usize].blobs()?;
+                let place = blobs.field.origin + instance.world_from_object.translation;
+                Some(StagedField {
+                    surface: surface as u32,
+                    geometry: instance.geometry,
+                    offset: place - origin,
+                })
+            })
+        };
+        let origin = fields(DVec3::ZERO).next().ok_or(Unstaged::NoBlobs)?.offset;
+        let fields = fields(origin).collect();
+        let mut words = Words::default();
+        let images: Vec<u32> = (self.world.lights.emitters.iter())
+            .map(|emitter| image_words(emitter, &mut words))
+            .collect();
+        let surfaces = words.here();
+        for instance in &frame.instances {
+            surface_words(frame, instance, origin, &mut words);
+        }
+        let tables = self.material_tables(&mut words);
+        let materials = words.here();
+        for (index, material) in frame.materials.iter().enumerate() {
+            self.material_words(index, material, tables[index], &mut words);
+        }
+        let emitters = words.here();
+        for (emitter, &image) in self.world.lights.emitters.iter().zip(&images) {
+            emitter_words(emitter, origin, image, &mut words);
+        }
+        let ambient = words.here();
+        if ambient > MOST_WORDS {
+            return Err(Unstaged::Room);
+        }
+        self.ambient_words(&mut words);
+        let full = words.albedo(AlbedoTable::full());
+        let hard_lights = frame.lights.iter().filter(|light| is_hard(light)).count();
+        let media = self
+            .media
+            .as_ref()
+            .map_or(&[][..], |media| media.surfaces());
+        Ok(StagedShading {
+            origin,
+            words: words.0,
+            places: [surfaces, materials, emitters, ambient, full],
+            counts: [frame.instances.len() as u32, frame.lights.len() as u32],
+            hard_lights: hard_lights as u32,
+            fields,
+            up: frame.up.as_vec3(),
+            ground: (frame.ground.as_ref())
+                .map(|ground| (ground.surface, ground.center - origin, ground.radius)),
+            background: self.settings.background,
+            has_surroundings: self.world.lights.has_surroundings(),
+            media: media
+                .iter()
+                .rev()
+                .fold(0, |stack, &surface| stack << 4 | (surface + 1)),
+            medium_count: self.world.medium_count as u32,
+            light_walks: self.light_walks(),
+            integrator: self.settings.integrator.clone(),
+            ao_samples: self.settings.integrator.ao_samples(self.settings.spp),
+        })
+    }
+
+    /// What a sample saw that stages shaded: with everything that they leave to the processor. `hit` is
+    /// what it met first, at `time_secs`.
+    pub fn seen_by_stages(
+        &self,
+        radiance: Vec3,
+        is_covered: bool,
+        hit: Option<Hit>,
+        time_secs: f64,
+        scratch: &mut ShadeScratch,
+    ) -> Seen {
+        scratch.attributes.time_secs = time_secs;
+        let color = |hit: &Hit| match self.world.material(hit.surface).0.base {
+            BaseColor::Constant(color) => Vec3::from_array(color),
+            // Stages do not begin with those.
+            BaseColor::Attribute(_) | BaseColor::Direct(_) => Vec3::ZERO,
+        };
+        let gathered = Gathered {
+            radiance,
+            first: hit.map(|hit| (hit, color(&hit))),
+            is_covered,
+        };
+        self.seen(&gathered, scratch)
+    }
+
+    fn check_stages(&self, frame: &Frame) -> Result<(), Unstaged> {
+        let integrator = &self.settings.integrator;
+        let varies = |material: &Material| {
+            !matches!(material.base, BaseColor::Constant(_))
+                || material.roughness_by.is_some()
+                || (material.kind.is_clear() && material.absorption.constant().is_none())
+        };
+        let used = || {
+            let instances = frame.instances.iter();
+            instances.map(|instance| &frame.materials[instance.material as usize])
+        };
+        let turns = |geometry: &Geometry| {
+            let motion = geometry
+                .blobs()
+                .and_then(|blobs| blobs.field.motion.as_ref());
+            motion.is_some_and(crate::field::Motion::turns)
+        };
+        let may_turn = |instance: &Instance| {
+            matches!(
+                frame.geometries[instance.geometry as usize],
+                Geometry::Plane(_)
+            )
+        };
+        let found = [
+            (self.settings.eye_moves, Unstaged::MovingCamera),
+            (
+                (frame.instances.iter()).any(|instance| instance.path.is_some()),
+                Unstaged::MovingInstance,
+            ),
+            (!frame.clips.is_empty(), Unstaged::Cuts),
+            (
+                (frame.geometries.iter()).any(|g| matches!(g, Geometry::Mesh(_))),
+                Unstaged::Mesh,
+            ),
+            (
+                (frame.instances.iter()).any(|i| !is_upright(i) && !may_turn(i)),
+                Unstaged::Turned,
+            ),
+            (frame.geometries.iter().any(turns), Unstaged::TurningBlobs),
+            (used().any(varies), Unstaged::Attributes),
+            (
+                integrator.specular_antialiasing,
+                Unstaged::SpecularAntialiasing,
+            ),
+            (
+                frame.instances.len() > MOST_SURFACES,
+                Unstaged::ManySurfaces,
+            ),
+            (self.media.is_none(), Unstaged::MovingMedia),
+        ];
+        match found.iter().find(|(is_so, _)| *is_so) {
+            Some(&(_, why)) => Err(why),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Shader<'_> {
+    /// Whether light may go straight through clear surfaces on its way to others.
+    fn light_walks(&self) -> bool {
+        let integrator = &self.settings.integrator;
+        let media = self.world.medium_count;
+        let goes_straight = match integrator.kind {
+            IntegratorKind::Shaded | IntegratorKind::Ao => return false,
+            IntegratorKind::Whitted => true,
+            IntegratorKind::Path => !integrator.caustics,
+        };
+        self.world.has_sheets || media > 1 || goes_straight && media > 0
+    }
+
+    /// Tables of each material: of its coat, or of its boundary seen from the thin and the dense side.
+    fn material_tables(&self, words: &mut Words) -> Vec<[u32; 2]> {
+        let count = self.world.frame.materials.len();
+        let mut tables = vec![[0; 2]; count];
+        for (table, prepared) in tables.iter_mut().zip(&self.world.prepared) {
+            match prepared {
+                Prepared::Coated(coat) => table[0] = words.albedo(&coat.albedo),
+                Prepared::Clear(Some(boundary)) => {
+                    *table = [&boundary.from_thin, &boundary.from_dense].map(|t| words.albedo(t));
+                }
+                Prepared::Diffuse
+                | Prepared::Conductor
+                | Prepared::Clear(None)
+                | Prepared::Sheet
+                | Prepared::Foam => {}
+            }
+        }
+        tables
+    }
+
+    /// (colour, translucency), (absorption coefficients, index of refraction), (coat of `shaded`: head on,
+    /// grazing, width, –; all 0 without), (scattering: 0 diffuse, 1 metal, 2 coated, 3 clear, 4 sheet,
+    /// 5 foam; roughness; strength of the coat; its index), (tables: coat or thin side, dense side or 0;
+    /// priority; whether its inside is a medium).
+    fn material_words(
+        &self,
+        index: usize,
+        material: &Material,
+        [first, second]: [u32; 2],
+        words: &mut Words,
+    ) {
+        let color = match material.base {
+            BaseColor::Constant(color) => Vec3::from_array(color),
+            BaseColor::Attribute(_) | BaseColor::Direct(_) => Vec3::ZERO,
+        };
+        words.push(color, material.translucency);
+        let absorption = material.absorption.constant().unwrap_or_default();
+        words.push(Vec3::from_array(absorption), material.ior as f32);
+        let gloss = self.gloss[index].map_or(Vec3::ZERO, |gloss| {
+            Vec3::new(gloss.head_on, gloss.grazing, gloss.width)
+        });
+        words.push(gloss, 0.0);
+        let (scattering, strength, ior) = match self.world.prepared.get(index) {
+            None | Some(Prepared::Diffuse) => (0.0, 0.0, 1.0),
+            Some(Prepared::Conductor) => (1.0, 0.0, 1.0),
+            Some(Prepared::Coated(coat)) => (2.0, coat.strength as f32, coat.ior as f32),
+            Some(Prepared::Clear(_)) => (3.0, 0.0, 1.0),
+            Some(Prepared::Sheet) => (4.0, 0.0, 1.0),
+            Some(Prepared::Foam) => (5.0, 0.0, 1.0),
+        };
+        words.push(Vec3::new(scattering, material.roughness, strength), ior);
+        let tables = Vec3::new(first as f32, second as f32, material.priority as f32);
+        words.push(tables, f32::from(u8::from(material.is_medium())));
+    }
+
+    fn ambient_words(&self, words: &mut Words) {
+        words.push(self.ambient.constant, 0.0);
+        let polynomial = self.ambient.sky.map_or([Vec3::ZERO; 4], |sky| sky.diffuse);
+        let harmonics = self.ambient.harmonics.unwrap_or([Vec3::ZERO; 9]);
+        for color in polynomial.into_iter().chain(harmonics) {
+            words.push(color, 0.0);
+        }
+        words.sky(&self.world.default_sky);
+    }
+}
+
+fn surface_words(frame: &Frame, instance: &Instance, origin: DVec3, words: &mut Words) {
+    let head = |kind: f32| Vec3::new(kind, instance.material as f32, 0.0);
+    match &frame.geometries[instance.geometry as usize] {
+        Geometry::Plane(plane) => {
+            let normal = instance.object_from_world.matrix3.transpose() * plane.normal;
+            let normal = normal.normalize_or_zero();
+            let point = instance.world_from_object.transform_point3(plane.point);
+            let height = DVec3::X * (origin - point).dot(normal);
+            let [height, rest] = halves(height);
+            words.push(head(1.0), 0.0);
+            words.push(normal.as_vec3(), height.x);
+            words.push(Vec3::ZERO, rest.x);
+        }
+        Geometry::Sphere(sphere) => {
+            let center = instance.world_from_object.transform_point3(sphere.center);
+            let [center, rest] = halves(center - origin);
+            words.push(head(2.0), 0.0);
+            words.push(center, sphere.radius as f32);
+            words.push(rest, 0.0);
+        }
+        Geometry::Blobs(_) | Geometry::Mesh(_) => {
+            words.push(head(0.0), 0.0);
+            words.push(Vec3::ZERO, 0.0);
+            words.push(Vec3::ZERO, 0.0);
+        }
+    }
+}
+
+fn is_hard(light: &Light) -> bool {
+    match light {
+        Light::Sun { .. }
+        | Light::Point { .. }
+        | Light::Sphere { .. }
+        | Light::Rectangle { .. } => true,
+        Light::Sky { .. } | Light::Constant { .. } | Light::Environment { .. } => false,
+    }
+}
+
+/// An image: a word per texel (radiance; part of its row's light up to and including it), then the parts
+/// of the rows' light up to and including each.
+fn image_words(emitter: &Emitter, words: &mut Words) -> u32 {
+    let here = words.here();
+    if let Emitter::Environment(environment, _) = emitter {
+        let (rows, columns) = environment.distributions();
+        let [width, _] = environment.size();
+        for (row, column) in environment.texels().chunks(width).zip(columns) {
+            let total = column.total().max(f64::MIN_POSITIVE);
+            for (&texel, sum) in row.iter().zip(column.sums()) {
+                words.push(Vec3::from_array(texel), (sum / total) as f32);
+            }
+        }
+        let total = rows.total().max(f64::MIN_POSITIVE);
+        words.numbers(rows.sums().iter().map(|sum| sum / total));
+    }
+    here
+}
+
+/// (kind, numbers), (radiance, –), vectors: see each kind.
+fn emitter_words(emitter: &Emitter, origin: DVec3, image: u32, words: &mut Words) {
+    let numbers = |kind: f32, a: f64, b: f64| (Vec3::new(kind, a as f32, b as f32), 0.0);
+    let nothing = [DVec3::ZERO; 3];
+    let colors = |colors: [Vec3; 3]| colors.map(Vec3::as_dvec3);
+    let ((head, last), (radiance, more), vectors) = match emitter {
+        // 1 − cos of half its angle, 0 for a point.
+        Emitter::Sun(sun) => {
+            let height = if sun.is_point() { 0.0 } else { sun.height };
+            let vectors = [sun.towards, DVec3::ZERO, DVec3::ZERO];
+            (numbers(0.0, height, 0.0), (sun.radiance, 0.0), vectors)
+        }
+        Emitter::Point(position, radiance) => {
+            let vectors = [*position - origin, DVec3::ZERO, DVec3::ZERO];
+            (numbers(1.0, 0.0, 0.0), (*radiance, 0.0), vectors)
+        }
+        // Its radius.
+        Emitter::Sphere(sphere) => {
+            let vectors = [sphere.center - origin, DVec3::ZERO, DVec3::ZERO];
+            (
+                numbers(2.0, sphere.radius, 0.0),
+                (sphere.radiance, 0.0),
+                vectors,
+            )
+        }
+        // Centre and edges.
+        Emitter::Rectangle(rectangle) => {
+            let [first, second] = rectangle.edges;
+            let vectors = [rectangle.center - origin, first, second];
+            (numbers(3.0, 0.0, 0.0), (rectangle.radiance, 0.0), vectors)
+        }
+        // Horizon, zenith, nadir.
+        Emitter::Sky(sky) => {
+            let vectors = colors([sky.horizon, sky.zenith, sky.nadir]);
+            (numbers(4.0, 0.0, 0.0), (Vec3::ZERO, 0.0), vectors)
+        }
+        Emitter::Constant(radiance) => (numbers(5.0, 0.0, 0.0), (*radiance, 0.0), nothing),
+        // Columns, rows, first texel; the scale, the luminance of its mean; right, zenith, middle.
+        Emitter::Environment(environment, scale) => {
+            let [width, height] = environment.size();
+            let mean = crate::frame::environment::luminance(environment.mean() * *scale);
+            let (head, _) = numbers(6.0, width as f64, height as f64);
+            (
+                (head, image as f32),
+                (*scale, mean as f32),
+                environment.axes(),
+            )
+        }
+    };
+    words.push(head, last);
+    words.push(radiance, more);
+    for vector in vectors {
+        words.push(vector.as_vec3(), 0.0);
+    }
+}
