@@ -9,7 +9,7 @@ use crate::frame::{Frame, Geometry};
 use crate::intersect::{BlobTracer, Hit, OnCpu};
 use crate::math::aabb::DAabb;
 use crate::math::ray::{Ray, Side};
-use crate::math::sampling::{PixelFilter, PixelSampler};
+use crate::math::sampling::{PixelFilter, PixelSampler, part_of_shutter};
 use crate::scene::camera::Camera;
 use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader};
 use glam::{DVec3, Vec3};
@@ -375,15 +375,15 @@ where
             .find_first(self.tracer, &mut block.eye, scratch)?)
     }
 
-    /// When a sample is taken: spread evenly over the shutter, by numbers of their own, so that nothing
-    /// else of the sample depends on the shutter.
+    /// When a sample is taken: by numbers of their own, so that nothing else of the sample depends on the
+    /// shutter.
     fn time_secs(&self, pixel: [u32; 2], sample: u32) -> f64 {
         let [open, close] = self.settings.shutter_secs;
         if open == close {
             return open;
         }
-        let seed = self.settings.seed ^ TIME_SEED;
-        open + (close - open) * PixelSampler::new(pixel, sample, seed).next_1d()
+        let RenderSettings { spp, seed, .. } = *self.settings;
+        open + (close - open) * part_of_shutter(pixel, sample, spp, seed)
     }
 
     /// Adds what is wanted of `block`: `samples` of the pixels that lie in the film.
@@ -487,9 +487,6 @@ where
         })
     }
 }
-
-/// Sets the times of samples apart from their other random numbers.
-const TIME_SEED: u32 = 0x5bd1_e995;
 
 /// A sample of a pixel before it is traced.
 struct Start {

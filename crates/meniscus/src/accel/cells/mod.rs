@@ -150,11 +150,11 @@ impl Cells {
         &self.context.stored
     }
 
-    /// Whether rays at different times are worth tracing together: where blobs move far, rays side by side
-    /// meet other cells.
+    /// Whether rays whose times lie within `part` of the shutter are worth tracing together: where blobs
+    /// move far in it, rays side by side meet other cells.
     #[inline(always)]
-    pub fn suit_packets(&self) -> bool {
-        self.way_spacings <= MOST_WAY_SPACINGS
+    pub fn suit_packets(&self, part: impl FnOnce() -> f32) -> bool {
+        self.way_spacings <= MOST_WAY_SPACINGS || self.way_spacings * part() <= MOST_WAY_SPACINGS
     }
 
     /// What lies in coarse cell `index` of the structure of `field`, or in deep cell `index` of a part
