@@ -45,7 +45,7 @@ fn pack_of<P: Primitive>(tree: &ParticleTree) -> Option<Packed> {
     nodes
         .par_chunks_mut(node_words)
         .enumerate()
-        .for_each(|(index, words)| pack_node(&tree.nodes[index], tree.closing.get(index), words));
+        .for_each(|(index, words)| pack_node(tree, index, words));
     leaves
         .par_chunks_mut(leaf_words)
         .zip(
@@ -104,7 +104,10 @@ pub(crate) fn pack_blob<P: Primitive>(
     }
 }
 
-fn pack_node(node: &Node, closing: Option<&[[f32; 8]; 6]>, words: &mut [Word]) {
+/// Boxes move straight: shaders know no curves.
+fn pack_node(tree: &ParticleTree, index: usize, words: &mut [Word]) {
+    let node = &tree.nodes[index];
+    let [opening, closing] = tree.faces(index).straightened();
     let exists = |slot: usize| node.children[slot] != Node::NONE;
     let mut pack = |first: usize, bounds: &[[f32; 8]; 6]| {
         for (row, faces) in bounds.iter().enumerate() {
@@ -113,9 +116,9 @@ fn pack_node(node: &Node, closing: Option<&[[f32; 8]; 6]>, words: &mut [Word]) {
             }
         }
     };
-    pack(0, &node.bounds);
-    if let Some(closing) = closing {
-        pack(BOUNDS_WORDS + 2, closing);
+    pack(0, &opening);
+    if tree.moves() {
+        pack(BOUNDS_WORDS + 2, &closing);
     }
     for slot in 0..8 {
         words[BOUNDS_WORDS + slot / 4][slot % 4] = node.children[slot];

@@ -9,6 +9,7 @@ use meniscus::intersect::{BlobHit, Crossing, Scratch};
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
 use meniscus::math::simd::Level;
+use meniscus::scene::{EngineSettings, MotionBounds};
 use meniscus_testing::corpus::{self, Scene};
 use meniscus_testing::examine::{Question, Tracer};
 use meniscus_testing::oracle::Oracle;
@@ -64,6 +65,25 @@ fn built(field: &BlobField, engine: Engine, level: Level) -> Blobs {
     blobs
 }
 
+/// The structures of all engines, those over particles with boxes that move either way.
+fn structures(field: &BlobField) -> Vec<(String, Blobs)> {
+    let mut all = Vec::new();
+    for level in levels() {
+        for engine in ENGINES {
+            all.push((format!("{engine:?} {level:?}"), built(field, engine, level)));
+        }
+        for engine in [Engine::Particles, Engine::Interval] {
+            let settings = EngineSettings {
+                motion_bounds: MotionBounds::Bezier,
+                ..EngineSettings::default()
+            };
+            let blobs = Blobs::build_with(field.clone(), engine, settings, level);
+            all.push((format!("{engine:?} {level:?} along curves"), blobs));
+        }
+    }
+    all
+}
+
 fn at_time(rays: Vec<Ray>, time: f64) -> Vec<Ray> {
     rays.into_iter().map(|ray| Ray { time, ..ray }).collect()
 }
@@ -85,16 +105,7 @@ fn moving_blobs_are_where_they_are_at_the_ray_s_time() {
         for distance in [0.3, 3.0, 10.0] {
             let kernel = Kernel::ALL[(n + distance as usize) % Kernel::ALL.len()];
             let scene = moving(&corpus::scene(kind, kernel, 300), distance);
-            let structures: Vec<(String, Blobs)> = ENGINES
-                .iter()
-                .flat_map(|&engine| {
-                    let field = &scene.field;
-                    levels().into_iter().map(move |level| {
-                        let name = format!("{engine:?} {level:?}");
-                        (name, built(field, engine, level))
-                    })
-                })
-                .collect();
+            let structures = structures(&scene.field);
             for time in times() {
                 let oracle = Oracle::at(&scene.field, time);
                 let stage = Stage::new(&scene, &oracle, 60);
@@ -223,7 +234,7 @@ fn rays_traced_together_have_times_of_their_own() {
             let Accel::Cells(cells) = &blobs.accel else {
                 panic!("not cells");
             };
-            assert!(cells.suit_packets(), "{kind}");
+            assert!(cells.suit_packets(|| 1.0), "{kind}");
             for time in times() {
                 let oracle = Oracle::at(&scene.field, time);
                 let stage = Stage::new(&scene, &oracle, 60);

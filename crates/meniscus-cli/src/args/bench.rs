@@ -35,8 +35,11 @@ pub(crate) struct BenchArgs {
     /// How often each pass is repeated
     #[arg(long, value_name = "N", default_value_t = 5)]
     pub repeats: u32,
-    /// Trace moving particles: part of the time between two pictures that the shutter is open, each
-    /// ray at a time of its own
+    /// Trace moving particles: part of the time between two pictures that the shutter is open
+    ///
+    /// Rays are taken at the times of the first samples of a picture of film.spp samples a pixel, as
+    /// `render` deals them: those of 4×4 pixels lie in the same of as many parts of the shutter. With
+    /// --set film.spp=1 each has a time of its own.
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
     pub shutter: Option<f64>,
     /// Pixels of the primary pass

@@ -14,7 +14,8 @@ pub(crate) struct EngineArgs {
     /// engine.rmax_boxes and engine.discard, each true|false [default: true].
     /// sweep: engine.clipping=own|nishita|kanamori [default: own].
     /// particles, interval: engine.builder=sah|morton|device [default: sah]; with device the card
-    /// builds the tree.
+    /// builds the tree; engine.motion_bounds=auto|linear|bezier [default: auto], their boxes under
+    /// an open shutter.
     /// peel: engine.peel=tiles|sprites [default: tiles]; with sprites engine.clipping=own|kanamori.
     #[arg(long, value_name = "NAME")]
     pub engine: Option<String>,

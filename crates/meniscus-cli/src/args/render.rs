@@ -94,7 +94,8 @@ pub(crate) struct RenderArgs {
         allow_hyphen_values = true
     )]
     pub shutter: Option<f64>,
-    /// Turn the camera once around the object in N pictures; OUT needs a {}, or is .mp4
+    /// Turn the camera once around the object in N pictures, numbered from 0; OUT needs a {}, or is
+    /// .mp4. Of a single still, --frames chooses among them
     #[arg(long, value_name = "N", help_heading = "Frames")]
     pub turntable: Option<u32>,
 

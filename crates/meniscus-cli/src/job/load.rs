@@ -118,7 +118,8 @@ pub(crate) fn build(
         let built =
             BlobField::from_moving_particles(&file.particles, &settings, shutter_secs, scale)
                 .map_err(|error| field_failure(error, path))?;
-        if shutter_secs[0] < shutter_secs[1] && built.field.motion.is_none() {
+        let is_expected = shutter_secs[0] < shutter_secs[1] && !moves_as_a_whole(scene);
+        if is_expected && built.field.motion.is_none() {
             reporter.warn(&format!(
                 "{}: no column of velocities that are not 0, so nothing moves",
                 path.display()
@@ -144,6 +145,12 @@ pub(crate) fn build(
         reports,
         build_secs: start.elapsed().as_secs_f64(),
     })
+}
+
+/// Whether the camera or instances move, so that a shutter is of use to particles at rest.
+fn moves_as_a_whole(scene: &Scene) -> bool {
+    let mut instances = scene.instances.iter();
+    !scene.camera.keys.is_empty() || instances.any(|instance| !instance.keys.is_empty())
 }
 
 /// Reads and builds the meshes of a scene. A mesh that cannot be used makes the scene wrong.

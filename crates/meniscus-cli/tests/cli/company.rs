@@ -163,6 +163,18 @@ fn a_turntable_goes_round_in_n_pictures() {
         2,
         &["{}"],
     );
+    // Of a single file --frames chooses pictures.
+    folder.done(&format!(
+        "render water.vtk -o some_{{}}.png {SMALL} --turntable 12 --frames 3-11x8"
+    ));
+    assert_eq!(folder.read("some_03.png"), pictures[3]);
+    assert_eq!(folder.read("some_11.png"), pictures[11]);
+    assert!(!folder.path("some_00.png").exists() && !folder.path("some_04.png").exists());
+    folder.fails(
+        "render water.vtk -o t_{}.png --turntable 3 --frames 3-5",
+        2,
+        &["--frames", "0 to 2"],
+    );
     folder.fails(
         "render water.vtk -o t_{}.png --turntable 0",
         2,

@@ -79,10 +79,11 @@ impl PictureRecord {
         record.0.extend([ground, background, eye_side, caustics]);
         record.0.extend([0; 4]);
         record.0.extend([0, 0, 0, picture.spp]);
-        let [seed, time_seed] = picture.seeds;
-        record
-            .0
-            .extend([seed, time_seed, shading.media, shading.medium_count]);
+        // Strata of the shutter's time.
+        let strata = (1_u32 << picture.spp.max(1).ilog2()) as f32;
+        let seeds = [picture.seed, strata.to_bits()];
+        record.0.extend(seeds);
+        record.0.extend([shading.media, shading.medium_count]);
         let [surfaces_at, materials_at, emitters_at, ambient_at, full_at] = shading.places;
         record
             .0

@@ -251,7 +251,7 @@ fn picture(shader: &Shader<'_>) -> (PictureRecord, DVec3) {
         camera: camera.expect("it sees something"),
         filter: PixelFilter::default(),
         spp: 4,
-        seeds: [1, 2],
+        seed: 1,
         shutter_secs: [0.0; 2],
         eye_side: Side::Outside,
     });

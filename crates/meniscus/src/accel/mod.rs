@@ -91,7 +91,14 @@ impl Accel {
         field: &crate::field::BlobField,
         settings: &EngineSettings,
     ) -> Self {
-        let particle_tree = || particles::ParticleTree::build(field, settings.builder);
+        let particle_tree = || {
+            let EngineSettings {
+                builder,
+                motion_bounds,
+                ..
+            } = *settings;
+            particles::ParticleTree::build_with(field, builder, motion_bounds)
+        };
         let metaballs = |boxes| MetaballTree::build(field, boxes, settings);
         let moves = field.motion.is_some();
         let is_lost = engine == Engine::Cells && moves && !cells::Cells::suit(field);

@@ -19,7 +19,7 @@ use crate::math::aabb::DAabb;
 use crate::math::simd::Level;
 use crate::particles::neighbours::BoxTree;
 use fearless_simd::dispatch;
-use gather::Near;
+use gather::{Near, Places};
 use glam::DVec3;
 use lanes::{LANES, NUMBERS, shapes};
 use rayon::prelude::*;
@@ -75,8 +75,10 @@ pub(super) fn estimate(positions: &[DVec3], supports: &[f64], points: &BoxTree) 
         column.extend([0.0; LANES]);
         column
     };
+    let columns = [0, 1, 2].map(|axis| column(&|item| positions[item][axis]));
     let ordered = Ordered {
-        columns: [0, 1, 2].map(|axis| column(&|item| positions[item][axis])),
+        places: Places::new(&columns),
+        columns,
         supports: column(&|item| supports[item]),
         points,
     };
@@ -127,6 +129,7 @@ fn settled(position: DVec3, support: f64, found: &Found) -> (DVec3, [f64; 6]) {
 /// Particles in the order of a tree over them.
 struct Ordered<'a> {
     columns: [Vec<f64>; 3],
+    places: Places,
     supports: Vec<f64>,
     points: &'a BoxTree,
 }
@@ -153,18 +156,16 @@ impl Ordered<'_> {
         near.find(&region, reach, self.points);
         let level = Level::new();
         dispatch!(level, simd => {
-            near.take(simd, &region, reach, &self.columns);
+            near.take(simd, &region, reach, &self.places);
             for (block, found) in found.chunks_mut(LANES).enumerate() {
                 let first = group.start + block * LANES;
-                let mut at = [[0.0; LANES]; 3];
+                let at = self.places.block(simd, first, found.len(), near.middle);
                 let mut per_reach = [0.0; LANES];
                 for lane in 0..found.len() {
-                    for axis in 0..3 {
-                        at[axis][lane] = (self.columns[axis][first + lane] - near.middle[axis]) as f32;
-                    }
                     per_reach[lane] = (1.0 / (NEIGHBOURHOOD * self.supports[first + lane])) as f32;
                 }
-                let numbers = shapes(simd, near.places(), &at, &per_reach);
+                let list = near.narrowed(simd, &at, reach);
+                let numbers = shapes(simd, list.columns(), &at, &per_reach);
                 for (lane, found) in found.iter_mut().enumerate() {
                     for (number, lanes) in found.iter_mut().zip(&numbers) {
                         *number = lanes[lane];

@@ -71,6 +71,37 @@ impl Motion {
     }
 }
 
+/// Boxes that change while the shutter is open and hold a blob's support at all times between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionBoxes {
+    /// When the shutter opens and closes; in between in proportion to the time. Half an acceleration a'
+    /// bends the way off its chord by up to a'Δ²/4, which they are wider by.
+    pub ends: [Aabb; 2],
+    /// Around the control points of the way as a quadratic Bézier curve (Ray Tracing Gems II, §35.3);
+    /// they are interpolated as the points are.
+    pub curve: [Aabb; 3],
+}
+
+impl MotionBoxes {
+    /// What holds nothing.
+    pub const EMPTY: Self = Self {
+        ends: [Aabb::EMPTY; 2],
+        curve: [Aabb::EMPTY; 3],
+    };
+
+    /// What holds both.
+    #[must_use]
+    pub fn union(mut self, other: Self) -> Self {
+        for (mine, other) in self.ends.iter_mut().zip(other.ends) {
+            *mine = mine.union(other);
+        }
+        for (mine, other) in self.curve.iter_mut().zip(other.curve) {
+            *mine = mine.union(other);
+        }
+        self
+    }
+}
+
 /// A field at one time.
 #[derive(Debug, Clone, Copy)]
 pub struct FieldAt<'a> {
@@ -105,39 +136,51 @@ impl BlobField {
             Some(motion) => {
                 let half = motion.half_extents(i, &self.shapes);
                 let path = motion.path_box(i, center.as_dvec3());
-                let mut bounds = Aabb {
-                    min: path.min.as_vec3() - half,
-                    max: path.max.as_vec3() + half,
-                };
-                for axis in 0..3 {
-                    bounds.min[axis] = bounds.min[axis].next_down();
-                    bounds.max[axis] = bounds.max[axis].next_up();
-                }
-                bounds
+                rounded_outwards(path.min, path.max, half)
             }
         }
     }
 }
 
 impl BlobField {
-    /// Boxes around the support of blob `i` when the shutter opens and closes, such that those between
-    /// them hold it at all times between: half an acceleration a' bends the way off its chord by up to
-    /// a'Δ²/4.
+    /// [`MotionBoxes::ends`] of blob `i`.
     pub fn support_boxes_at_ends(&self, i: usize) -> [Aabb; 2] {
+        self.motion_boxes(i).ends
+    }
+
+    /// Boxes around the support of blob `i` that move with it.
+    pub fn motion_boxes(&self, i: usize) -> MotionBoxes {
         let Some(motion) = &self.motion else {
-            return [self.support_box(i); 2];
+            let still = self.support_box(i);
+            return MotionBoxes {
+                ends: [still; 2],
+                curve: [still; 3],
+            };
         };
         let half = motion.half_extents(i, &self.shapes);
         let bend = motion.rates(i)[1] * motion.half_shutter_secs().powi(2);
-        motion.shutter.map(|time_secs| {
-            let center = self.at(time_secs).center(i);
+        let [open, close] = motion.shutter.map(|time_secs| self.at(time_secs).center(i));
+        let straight = |center: DVec3| {
             let low = center - bend.max(DVec3::ZERO);
             let high = center - bend.min(DVec3::ZERO);
-            Aabb {
-                min: low.as_vec3() - half,
-                max: high.as_vec3() + half,
-            }
-        })
+            rounded_outwards(low, high, half)
+        };
+        // A parabola's tangents at its ends meet as far below its chord as it is below them.
+        let control = 0.5 * (open + close) - 2.0 * bend;
+        MotionBoxes {
+            ends: [straight(open), straight(close)],
+            curve: [open, control, close].map(|point| rounded_outwards(point, point, half)),
+        }
+    }
+}
+
+/// A box in f32 that holds what lies within `half` of the one from `low` to `high`.
+fn rounded_outwards(low: DVec3, high: DVec3, half: Vec3) -> Aabb {
+    let half = half.as_dvec3();
+    let (low, high) = ((low - half).as_vec3(), (high + half).as_vec3());
+    Aabb {
+        min: Vec3::from_array(low.to_array().map(f32::next_down)),
+        max: Vec3::from_array(high.to_array().map(f32::next_up)),
     }
 }
 

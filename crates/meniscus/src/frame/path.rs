@@ -4,7 +4,7 @@ use super::Instance;
 use crate::math::aabb::DAabb;
 use crate::math::keyframes::{Curve, place};
 use crate::math::level_set::AT_REST;
-use crate::math::symmetric::eigen;
+use crate::math::turning::{taken_apart, turn_between};
 use crate::scene::PlacementKey;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::borrow::Cow;
@@ -139,14 +139,10 @@ impl InstancePath {
         let Some(&next) = self.turns.get(i + 1) else {
             return (self.turns[i], DVec3::ZERO);
         };
-        let by = (next * self.turns[i].conjugate()).normalize();
-        // Accurate for small turns, which an arc cosine is not.
-        let sine = by.xyz().length();
-        let angle = 2.0 * sine.atan2(by.w);
-        if sine == 0.0 {
+        let (axis, angle) = turn_between(self.turns[i], next);
+        if angle == 0.0 {
             return (self.turns[i], DVec3::ZERO);
         }
-        let axis = by.xyz() / sine;
         let turn = DQuat::from_axis_angle(axis, angle * part) * self.turns[i];
         let length = self.times[i + 1] - self.times[i];
         (turn, axis * (angle / length))
@@ -237,17 +233,6 @@ impl Instance {
             Some(path) => path.bounds(bounds, shutter),
         }
     }
-}
-
-/// A matrix as a turn after a symmetric stretch; mirrors are stretches by −1.
-fn taken_apart(matrix: DMat3) -> (DQuat, DMat3) {
-    let (squares, axes) = eigen(matrix.transpose() * matrix);
-    let sign = 1.0_f64.copysign(matrix.determinant());
-    let lengths = DVec3::from_array(squares.to_array().map(|square| square.max(0.0).sqrt()));
-    let back = axes.transpose();
-    let stretch = axes * DMat3::from_diagonal(lengths * sign) * back;
-    let shrink = axes * DMat3::from_diagonal(lengths.recip() * sign) * back;
-    (DQuat::from_mat3(&(matrix * shrink)).normalize(), stretch)
 }
 
 /// The matrix of v × x.

@@ -21,11 +21,10 @@ impl Blobs {
     /// others build. Both trace the same surface; their answers may differ in the last bits.
     pub fn update(&mut self, field: BlobField) -> Update {
         let same_blobs = field.len() == self.field.len()
-            && field.motion.is_some() == self.field.motion.is_some()
             && matches!(field.shapes, Shapes::Balls(_))
                 == matches!(self.field.shapes, Shapes::Balls(_));
         match &mut self.accel {
-            Accel::Particles(tree) | Accel::Interval(tree) if same_blobs => {
+            Accel::Particles(tree) | Accel::Interval(tree) if same_blobs && tree.suits(&field) => {
                 tree.refit(&field);
                 if !tree.is_worn() {
                     field.support_tree();

@@ -11,5 +11,6 @@ pub mod ray;
 pub mod sampling;
 pub mod simd;
 pub mod symmetric;
+pub mod turning;
 
 pub use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};

@@ -53,6 +53,13 @@ f64_operator!(Mul, mul, *);
 f64_operator!(Div, div, /);
 impl Number for F64 {}
 
+impl<S: fearless_simd::Simd> Number for fearless_simd::f32x8<S> {
+    #[inline(always)]
+    fn mul_add(self, factor: Self, summand: Self) -> Self {
+        SimdFloat::mul_add(self, factor, summand)
+    }
+}
+
 impl<S: fearless_simd::Simd> Number for fearless_simd::f32x16<S> {
     #[inline(always)]
     fn mul_add(self, factor: Self, summand: Self) -> Self {

@@ -5,6 +5,10 @@
 //! of dimensions, pixels are independent, and no state is shared, so the picture does not depend on
 //! threads, tiles or the order of samples.
 
+mod shutter;
+
+pub use shutter::{TIME_BLOCK, part_of_shutter};
+
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 

@@ -79,6 +79,14 @@ impl<'a> Attribute<'a> {
         })
     }
 
+    /// The names of the columns that the components come from, with the component there.
+    pub(super) fn sources(&self) -> impl Iterator<Item = (&'a str, usize)> {
+        self.sources.iter().filter_map(|source| match *source {
+            Source::Axis(..) => None,
+            Source::Column(column, component) => Some((&*column.name, component)),
+        })
+    }
+
     /// The name: what was asked for, or the column that plays the role.
     pub fn name(&self) -> &str {
         &self.name

@@ -112,14 +112,17 @@ impl Ellipsoid {
 
     /// Half extents of the axis-aligned box around q ≤ 1: the lengths of the rows of A⁻¹.
     pub fn half_extents(&self) -> [f32; 3] {
-        let inverse = self.matrix().inverse();
-        xyz(
-            #[inline(always)]
-            |row| {
-                let exact = inverse.row(row).length();
-                (exact * (1.0 + 1e-6)) as f32
-            },
-        )
+        let [a00, a01, a02, a11, a12, a22] = self.0.map(f64::from);
+        // A⁻¹, upper triangular as A is.
+        let (b00, b11, b22) = (a00.recip(), a11.recip(), a22.recip());
+        let (b01, b12) = (-a01 * b00 * b11, -a12 * b11 * b22);
+        let b02 = -(a01 * b12 + a02 * b22) * b00;
+        let squares = [
+            b00 * b00 + b01 * b01 + b02 * b02,
+            b11 * b11 + b12 * b12,
+            b22 * b22,
+        ];
+        squares.map(|square| (square.sqrt() * (1.0 + 1e-6)) as f32)
     }
 }
 

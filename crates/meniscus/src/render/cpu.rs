@@ -10,7 +10,7 @@ use crate::frame::{Frame, Geometry};
 use crate::intersect::{BlobTracer, Hit, OnCpu};
 use crate::math::aabb::DAabb;
 use crate::math::ray::{Ray, Side};
-use crate::math::sampling::{PixelFilter, PixelSampler};
+use crate::math::sampling::{PixelFilter, PixelSampler, part_of_shutter};
 use crate::scene::camera::Camera;
 use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader, Unstaged};
 use glam::{DVec3, Vec3};
@@ -26,6 +26,8 @@ struct Cut {
     tile_side: u32,
     /// Side of the blocks of pixels whose rays are traced together; divides `tile_side`.
     block_side: u32,
+    /// Samples of each of its pixels that are traced together.
+    samples: u32,
     /// Whether all rays that are known go together, rather than each at once.
     waits: bool,
 }
@@ -35,13 +37,23 @@ struct Cut {
 const ON_CPU: Cut = Cut {
     tile_side: 16,
     block_side: 4,
+    samples: 1,
     waits: false,
+};
+
+/// The same where pixels have several samples, which lie closer together than pixels, but are spread over
+/// the shutter.
+const ON_CPU_SAMPLED: Cut = Cut {
+    block_side: 2,
+    samples: 4,
+    ..ON_CPU
 };
 
 /// Tiles whose rays keep a device busy and whose buffers stay small.
 const ON_DEVICE: Cut = Cut {
     tile_side: 256,
     block_side: 256,
+    samples: 1,
     waits: true,
 };
 
@@ -71,7 +83,14 @@ impl Backend for CpuBackend {
         state: &RenderState,
         progress: &Progress<'_>,
     ) -> Result<(Film, RenderStats), RenderError> {
-        Job::new((&OnCpu, ON_CPU), None, (frame, camera), settings)?.run_on_threads(state, progress)
+        let comes_in_groups =
+            settings.spp >= ON_CPU_SAMPLED.samples && settings.time_limit.is_none();
+        let cut = if comes_in_groups && !frame.moves() {
+            ON_CPU_SAMPLED
+        } else {
+            ON_CPU
+        };
+        Job::new((&OnCpu, cut), None, (frame, camera), settings)?.run_on_threads(state, progress)
     }
 }
 
@@ -218,7 +237,7 @@ where
             camera: self.camera.clone(),
             filter: self.filter.clone(),
             spp: self.settings.spp,
-            seeds: [self.settings.seed, self.settings.seed ^ TIME_SEED],
+            seed: self.settings.seed,
             shutter_secs: self.settings.shutter_secs,
             eye_side: self.eye_side.unwrap_or_default(),
         };
@@ -361,9 +380,13 @@ where
                 if left >= region.x + region.width {
                     break;
                 }
-                for sample in samples.clone() {
-                    self.find_first(&mut block, [left, top], sample, scratch)?;
-                    self.add_block(&mut film, &mut block, tile, sample, scratch)?;
+                let groups = samples.start / self.cut.samples..;
+                for first in groups.map(|group| group * self.cut.samples) {
+                    if first >= samples.end {
+                        break;
+                    }
+                    self.find_first(&mut block, [left, top], first, scratch)?;
+                    self.add_block(&mut film, &mut block, tile, &samples, scratch)?;
                 }
             }
         }
@@ -411,7 +434,7 @@ where
                 match *answer {
                     StagedSample::InDoubt => {
                         if let Some((start, secs, seen, attributes)) = again.next() {
-                            let at = (&start, secs, sample);
+                            let at = (&start, secs);
                             self.add(&mut film, &mut noise, at, &seen, &attributes);
                         }
                     }
@@ -425,7 +448,7 @@ where
                         let hit = hit.map(|hit| hit_of(&hit, *origin));
                         let shader = &self.shader;
                         let seen = shader.seen_by_stages(radiance, is_covered, hit, secs, scratch);
-                        let at = (&start, secs, sample);
+                        let at = (&start, secs);
                         self.add(&mut film, &mut noise, at, &seen, scratch.attributes());
                     }
                 }
@@ -450,7 +473,7 @@ where
         let alone = |&(pixel, sample): &Place, scratch: &mut ShadeScratch| {
             let mut start = self.start(pixel, sample);
             let mut eye = EyeRays::default();
-            eye.rays.push(self.eye_ray(&start, sample));
+            eye.rays.push(self.eye_ray(&start));
             let Ok(()) = self.shader.find_first(&OnCpu, &mut eye, scratch);
             let seen = self.shader.sample(&eye, 0, &mut start.sampler, scratch);
             (start, eye.rays[0].time, seen, scratch.attributes().to_vec())
@@ -479,6 +502,7 @@ where
         let mut sampler = PixelSampler::new(pixel, sample, self.settings.seed);
         Start {
             pixel,
+            sample,
             position: self
                 .filter
                 .film_position(pixel, self.settings.spp, &mut sampler),
@@ -487,8 +511,8 @@ where
     }
 
     /// The eye's ray of a sample.
-    fn eye_ray(&self, start: &Start, sample: u32) -> Ray {
-        let secs = self.time_secs(start.pixel, sample);
+    fn eye_ray(&self, start: &Start) -> Ray {
+        let secs = self.time_secs(start.pixel, start.sample);
         let ray = self.camera.ray_at(start.position, secs);
         let side = self.eye_side;
         let antialiases = self.settings.integrator.specular_antialiasing;
@@ -499,23 +523,25 @@ where
         }
     }
 
-    /// Traces the eye's rays of one sample of the block at `left`, `top`: always the whole block, as far
-    /// as the picture has it, so that its rays see the same whatever part of it is wanted.
+    /// Traces the eye's rays of the block at `left`, `top` that go together, from sample `first` on: always
+    /// all of them, as far as the picture has them, so that rays see the same whatever part is wanted.
     fn find_first(
         &self,
         block: &mut Block,
         [left, top]: [u32; 2],
-        sample: u32,
+        first: u32,
         scratch: &mut ShadeScratch,
     ) -> Result<(), RenderError> {
         block.starts.clear();
         block.eye.rays.clear();
         let [width, height] = self.camera.size;
-        for y in top..(top + self.cut.block_side).min(height) {
-            for x in left..(left + self.cut.block_side).min(width) {
-                let start = self.start([x, y], sample);
-                block.eye.rays.push(self.eye_ray(&start, sample));
-                block.starts.push(start);
+        for sample in first..(first + self.cut.samples).min(self.settings.spp) {
+            for y in top..(top + self.cut.block_side).min(height) {
+                for x in left..(left + self.cut.block_side).min(width) {
+                    let start = self.start([x, y], sample);
+                    block.eye.rays.push(self.eye_ray(&start));
+                    block.starts.push(start);
+                }
             }
         }
         Ok(self
@@ -523,33 +549,36 @@ where
             .find_first(self.tracer, &mut block.eye, scratch)?)
     }
 
-    /// When a sample is taken: spread evenly over the shutter, by numbers of their own, so that nothing
-    /// else of the sample depends on the shutter.
+    /// When a sample is taken: by numbers of their own, so that nothing else of the sample depends on the
+    /// shutter.
     fn time_secs(&self, pixel: [u32; 2], sample: u32) -> f64 {
         let [open, close] = self.settings.shutter_secs;
         if open == close {
             return open;
         }
-        let seed = self.settings.seed ^ TIME_SEED;
-        open + (close - open) * PixelSampler::new(pixel, sample, seed).next_1d()
+        let RenderSettings { spp, seed, .. } = *self.settings;
+        open + (close - open) * part_of_shutter(pixel, sample, spp, seed)
     }
 
-    /// Adds one sample of the pixels of `block` that lie in the film.
+    /// Adds what is wanted of `block`: `samples` of the pixels that lie in the film.
     fn add_block(
         &self,
         film: &mut Film,
         block: &mut Block,
         tile: &mut Tile,
-        sample: u32,
+        samples: &Range<u32>,
         scratch: &mut ShadeScratch,
     ) -> Result<(), RenderError> {
         let Tile { region, noise } = tile;
         let Block { starts, eye } = block;
         let region = *region;
         let mut add = |start: &Start, time_secs: f64, seen: &Seen, attributes: &[f32]| {
-            self.add(film, noise, (start, time_secs, sample), seen, attributes);
+            self.add(film, noise, (start, time_secs), seen, attributes);
         };
-        let is_wanted = |start: &Start| region.index(start.pixel[0], start.pixel[1]).is_some();
+        let is_wanted = |start: &Start| {
+            samples.contains(&start.sample)
+                && region.index(start.pixel[0], start.pixel[1]).is_some()
+        };
         if self.cut.waits {
             let wanted = starts.iter().enumerate();
             let wanted = wanted.filter(|(_, start)| is_wanted(start));
@@ -580,7 +609,7 @@ where
         &self,
         film: &mut Film,
         noise: &mut TileNoise,
-        (start, time_secs, sample): (&Start, f64, u32),
+        (start, time_secs): (&Start, f64),
         seen: &Seen,
         attributes: &[f32],
     ) {
@@ -601,7 +630,7 @@ where
             surface: self.surface_sample(seen, time_secs),
             attributes,
         };
-        film.add(x, y, sample, offset, &sample_seen);
+        film.add(x, y, start.sample, offset, &sample_seen);
         if self.settings.noise.is_some() {
             let luminance = luminance(Vec3::from_array(seen.radiance));
             noise.add(pixel, luminance);
@@ -661,20 +690,18 @@ fn hit_of(hit: &StagedHit, origin: DVec3) -> Hit {
     }
 }
 
-/// Sets the times of samples apart from their other random numbers.
-const TIME_SEED: u32 = 0x5bd1_e995;
-
 /// A pixel, and the number of a sample of it.
 type Place = ([u32; 2], u32);
 
 /// A sample of a pixel before it is traced.
 struct Start {
     pixel: [u32; 2],
+    sample: u32,
     position: [f64; 2],
     sampler: PixelSampler,
 }
 
-/// One sample of the pixels of a block; buffers that are reused.
+/// Samples of the pixels of a block that go together; buffers that are reused.
 #[derive(Default)]
 struct Block {
     starts: Vec<Start>,

@@ -20,8 +20,8 @@ pub struct StagedPicture {
     pub filter: PixelFilter,
     /// Samples per pixel of the whole picture.
     pub spp: u32,
-    /// Seed of the sample pattern, and of the times of samples.
-    pub seeds: [u32; 2],
+    /// Seed of the sample pattern.
+    pub seed: u32,
     /// When the shutter opens and closes, in seconds relative to the frame.
     pub shutter_secs: [f64; 2],
     /// Side of every surface at the eye.

@@ -41,6 +41,20 @@ pub enum Builder {
     Device,
 }
 
+/// How the boxes of engines `particles` and `interval` follow blobs while the shutter is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MotionBounds {
+    /// Straight, unless that makes the boxes of the leaves larger by more than a curve costs.
+    #[default]
+    Auto,
+    /// Straight from where they are when it opens to where they are when it closes, wide enough for
+    /// bent ways.
+    Linear,
+    /// Along quadratic Bézier curves (Ray Tracing Gems II, §35.3); straight on a graphics card.
+    Bezier,
+}
+
 /// How engine `peel` finds what the rays through a tile of the film may meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -69,6 +83,8 @@ pub struct EngineSettings {
     pub clipping: Clipping,
     /// `particles`, `interval`: `sah`, `morton` or `device`.
     pub builder: Builder,
+    /// `particles`, `interval`: `auto`, `linear` or `bezier`, boxes of blobs that move.
+    pub motion_bounds: MotionBounds,
     /// `peel`: `tiles` or `sprites`.
     pub peel: PeelVariant,
 }
@@ -82,6 +98,7 @@ impl Default for EngineSettings {
             discard: true,
             clipping: Clipping::default(),
             builder: Builder::default(),
+            motion_bounds: MotionBounds::default(),
             peel: PeelVariant::default(),
         }
     }

@@ -27,7 +27,7 @@ pub use camera::{CameraKey, CameraSettings, Up};
 pub use color::Color;
 pub use colormap::ColorMap;
 pub use cues::CueSettings;
-pub use engine::{Builder, Clipping, EngineSettings, LeafCost, PeelVariant};
+pub use engine::{Builder, Clipping, EngineSettings, LeafCost, MotionBounds, PeelVariant};
 pub use file::{SceneError, SceneErrorKind};
 pub use film::{Background, FilmSettings, WhiteBalance};
 pub use integrator::{IntegratorKind, IntegratorSettings};

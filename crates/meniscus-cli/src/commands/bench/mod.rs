@@ -232,6 +232,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         tracing: &tracing,
         camera: &camera,
         shutter_secs: input.scene.motion.shutter_secs(),
+        spp: input.scene.film.spp,
         towards_light: towards_light.unwrap_or(DVec3::Y),
         repeats: args.repeats,
         reporter: &reporter,

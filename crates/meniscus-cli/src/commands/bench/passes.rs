@@ -8,7 +8,7 @@ use meniscus::frame::Frame;
 use meniscus::intersect::{Counters, Hit, Scratch, TraceError};
 use meniscus::math::DVec3;
 use meniscus::math::ray::{Ray, Side};
-use meniscus::math::sampling::{PixelSampler, cosine_hemisphere};
+use meniscus::math::sampling::{PixelSampler, TIME_BLOCK, cosine_hemisphere};
 use meniscus::scene::camera::Camera;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -16,8 +16,8 @@ use std::time::Instant;
 
 /// Rays that one task traces.
 const CHUNK: usize = 1024;
-/// Side in pixels of the blocks that primary rays are made in.
-const BLOCK: u32 = 4;
+/// Side in pixels of the blocks that primary rays are made in: those in which `render` traces.
+const BLOCK: u32 = TIME_BLOCK;
 /// Seed of the hemisphere's directions and of the shuffle.
 const SEED: u32 = 1;
 
@@ -68,6 +68,9 @@ pub(crate) struct Bench<'a> {
     pub camera: &'a Camera,
     /// When the shutter opens and closes, in seconds relative to the frame.
     pub shutter_secs: [f64; 2],
+    /// Samples a pixel of the picture that the rays are the first sample of: it says at what times
+    /// `render` takes it. With 1 each ray has a time of its own.
+    pub spp: u32,
     /// Where shadow rays go.
     pub towards_light: DVec3,
     /// How often.
@@ -112,7 +115,7 @@ impl Bench<'_> {
     #[inline(always)]
     fn leaving_surface(&self, start: &Start, direction: DVec3) -> Ray {
         Ray {
-            time: time_at(start.pixel, self.shutter_secs),
+            time: self.time_secs(start.pixel),
             ..Ray::new(start.position, direction).with_side(Side::Outside)
         }
     }
@@ -120,9 +123,19 @@ impl Bench<'_> {
     /// The ray through the centre of a pixel.
     #[inline(always)]
     fn primary_ray(&self, [x, y]: [u32; 2]) -> Ray {
-        let secs = time_at([x, y], self.shutter_secs);
+        let secs = self.time_secs([x, y]);
         let film = [f64::from(x) + 0.5, f64::from(y) + 0.5];
         self.camera.ray_at(film, secs)
+    }
+
+    /// When the first sample of a pixel is taken.
+    #[inline(always)]
+    fn time_secs(&self, pixel: [u32; 2]) -> f64 {
+        let [open, close] = self.shutter_secs;
+        if open == close {
+            return open;
+        }
+        open + (close - open) * part_of_shutter(pixel, self.spp)
     }
 
     /// Measures all passes.
@@ -272,14 +285,17 @@ fn in_blocks(width: u32, height: u32) -> Vec<[u32; 2]> {
     pixels
 }
 
-/// A time of the pixel's own within the shutter.
+/// How much of the shutter's time is over when the first of `spp` samples of a pixel is taken: dealt as
+/// [`meniscus::math::sampling::part_of_shutter`] does, by simpler random numbers.
 #[inline(always)]
-fn time_at([x, y]: [u32; 2], [open, close]: [f64; 2]) -> f64 {
-    if open == close {
-        return open;
-    }
-    let mixed = (x.wrapping_mul(0x9e37_79b1) ^ y).wrapping_mul(0x85eb_ca77);
-    open + (close - open) * f64::from(mixed ^ mixed >> 15) * 2_f64.powi(-32)
+fn part_of_shutter([x, y]: [u32; 2], spp: u32) -> f64 {
+    let random = |x: u32, y: u32| {
+        let mixed = (x.wrapping_mul(0x9e37_79b1) ^ y).wrapping_mul(0x85eb_ca77);
+        f64::from(mixed ^ mixed >> 15) * 2_f64.powi(-32)
+    };
+    let strata = f64::from(1_u32 << spp.max(1).ilog2());
+    let shared = random(x / TIME_BLOCK, !(y / TIME_BLOCK));
+    ((shared * strata).floor() + random(x, y)) / strata
 }
 
 /// Fisher and Yates, with a fixed seed.

@@ -41,7 +41,13 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
         plan::check_outputs(args, &target, &[])?;
         (None, Some(Fixed::default()), true)
     } else {
-        let inputs = input::resolve(&args.inputs, selection.as_ref(), &edit)?;
+        let (inputs, wanted_turns) = match args.turntable {
+            None => (
+                input::resolve(&args.inputs, selection.as_ref(), &edit)?,
+                None,
+            ),
+            Some(_) => plan::turned(&args.inputs, selection.as_ref(), &edit)?,
+        };
         inputs
             .warnings
             .iter()
@@ -54,7 +60,7 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
         let mut jobs = match (args.turntable, options.slow_motion) {
             (None, None) => plan::frames(inputs, &target)?,
             (None, Some(factor)) => plan::moments(inputs, &target, factor)?,
-            (Some(count), _) => plan::turns(inputs, &target, count)?,
+            (Some(count), _) => plan::turns(inputs, wanted_turns.as_ref(), &target, count)?,
         };
         plan::check_outputs(args, &target, &jobs)?;
         if args.resume {

@@ -3,10 +3,11 @@
 use crate::args::render::RenderArgs;
 use crate::exit::{Failure, Outcome};
 use crate::job::files;
-use crate::job::input::{FrameInput, Inputs, steps_of};
+use crate::job::input::{self, FrameInput, Inputs, steps_of};
 use crate::job::output::{Target, kept_folder};
 use crate::progress::Reporter;
-use meniscus::particles::sequence;
+use meniscus::particles::sequence::{self, FrameSelection};
+use meniscus::scene::Scene;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -192,8 +193,33 @@ pub(crate) fn moments(inputs: Inputs, target: &Target, factor: f64) -> Outcome<V
     Ok(jobs.collect())
 }
 
-/// The pictures of a turntable of `count` pictures, numbered from 0: all of one frame.
-pub(crate) fn turns(inputs: Inputs, target: &Target, count: u32) -> Outcome<Vec<Job>> {
+/// What a turntable turns around, and which of its pictures are wanted: among files and time steps a
+/// selection chooses the frame, of a single still it chooses pictures.
+pub(crate) fn turned(
+    inputs: &[PathBuf],
+    selection: Option<&FrameSelection>,
+    edit: &dyn Fn(&mut Scene) -> Outcome,
+) -> Outcome<(Inputs, Option<FrameSelection>)> {
+    let all = input::resolve(inputs, None, edit)?;
+    let Some(selection) = selection else {
+        return Ok((all, None));
+    };
+    match &all.frames[..] {
+        [still] if !all.is_sequence && steps_of(still)?.len() == 1 => {
+            Ok((all, Some(selection.clone())))
+        }
+        _ => Ok((input::resolve(inputs, Some(selection), edit)?, None)),
+    }
+}
+
+/// The pictures of a turntable of `count` pictures, numbered from 0: all of one frame, or those that
+/// `wanted` chooses.
+pub(crate) fn turns(
+    inputs: Inputs,
+    wanted: Option<&FrameSelection>,
+    target: &Target,
+    count: u32,
+) -> Outcome<Vec<Job>> {
     if count == 0 || count > MAX_TURNS {
         return Err(Failure::wrong(format!(
             "--turntable {count}: between 1 and {MAX_TURNS} pictures are possible"
@@ -218,7 +244,16 @@ pub(crate) fn turns(inputs: Inputs, target: &Target, count: u32) -> Outcome<Vec<
     let frame = Arc::new(frame);
     let width = (count - 1).to_string().len();
     let step = std::f64::consts::TAU / f64::from(count);
-    Ok((0..count)
+    let is_wanted = |turn: &u32| wanted.is_none_or(|wanted| wanted.contains(u64::from(*turn)));
+    let wanted_turns: Vec<u32> = (0..count).filter(is_wanted).collect();
+    let Some(&first) = wanted_turns.first() else {
+        return Err(Failure::wrong(format!(
+            "--frames chooses none of the {count} pictures of the turntable"
+        ))
+        .with_help(format!("they are numbered 0 to {}", count - 1)));
+    };
+    Ok(wanted_turns
+        .into_iter()
         .map(|turn| Job {
             input: frame.clone(),
             interval: None,
@@ -228,7 +263,7 @@ pub(crate) fn turns(inputs: Inputs, target: &Target, count: u32) -> Outcome<Vec<
             ),
             since_first: 0.0,
             turn: f64::from(turn) * step,
-            is_same_frame: turn > 0,
+            is_same_frame: turn > first,
             is_done: false,
         })
         .collect())

@@ -39,7 +39,8 @@ struct Picture {
     count: u32,
     spp: u32,
     seed: u32,
-    time_seed: u32,
+    // Strata of the shutter's time.
+    time_strata: f32,
     media: u32,
     medium_count: u32,
     surfaces_at: u32,

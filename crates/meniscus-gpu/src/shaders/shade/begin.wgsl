@@ -9,6 +9,18 @@ fn filter_offset(u: f32) -> f32 {
     return a + (b - a) * (position - f32(below));
 }
 
+// Side of the blocks of pixels that share strata of time, and what sets their numbers apart.
+const TIME_BLOCK: u32 = 4u;
+const PIXEL_SEED: u32 = 0x5bd1e995u;
+const BLOCK_SEED: u32 = 0x1b873593u;
+
+// How much of the shutter's time is over: twin of math/sampling/shutter.rs.
+fn part_of_shutter(pixel: vec2u, sample: u32) -> f32 {
+    let own = draw_1d(pixel_sampler(pixel, sample, picture.seed ^ PIXEL_SEED), 0u);
+    let block = pixel_sampler(pixel / TIME_BLOCK, sample, picture.seed ^ BLOCK_SEED);
+    return (floor(draw_1d(block, 0u) * picture.time_strata) + own) / picture.time_strata;
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn begin(
     @builtin(workgroup_id) group: vec3u,
@@ -36,8 +48,7 @@ fn begin(
     }
     var time = picture.shutter_open;
     if picture.shutter_secs > 0.0 {
-        let times = pixel_sampler(pixel, sample, picture.time_seed);
-        time += picture.shutter_secs * draw_1d(times, 0u);
+        time += picture.shutter_secs * part_of_shutter(pixel, sample);
     }
     let direction = direction_through(pixel, offset);
     questions[index] = Question(

@@ -1,9 +1,9 @@
 //! Boxes and leaf contents of a tree whose topology stands: the last step of a build, and all of a
 //! refit.
 
-use super::layout::{MOTION_COLUMNS, Node, columns, leaf_blocks};
+use super::layout::{Faces, MOTION_COLUMNS, Node, columns, leaf_blocks};
 use crate::accel::cells::layout::{Block, LANES, LEAF, LeafHeader};
-use crate::field::BlobField;
+use crate::field::{BlobField, MotionBoxes};
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
 use rayon::prelude::*;
@@ -107,27 +107,23 @@ pub(super) fn leaves_of<P: Primitive>(
     blocks
 }
 
-/// Fills a leaf with its blobs; returns its boxes when the shutter opens and closes, which are the same
-/// where nothing moves.
+/// Fills a leaf with its blobs; returns its boxes, which are all the same where nothing moves.
 pub(super) fn fit_leaf<P: Primitive>(
     field: &BlobField,
     measures: &Measures,
     leaf: &mut [Block],
-) -> [Aabb; 2] {
+) -> MotionBoxes {
     let count = LeafHeader::from_block(&leaf[0]).count;
     let (front, rest) = leaf.split_at_mut(columns::<P>());
     let (indices, rates) = rest.split_at_mut(1);
     let indices = &indices[0].0[..count];
     let index = |slot: usize| indices[slot].to_bits() as usize;
-    let mut ends = [Aabb::EMPTY; 2];
-    for slot in 0..count {
-        let boxes = field.support_boxes_at_ends(index(slot));
-        for (end, bounds) in ends.iter_mut().zip(boxes) {
-            *end = end.union(bounds);
-        }
-    }
-    let ends = ends.map(|bounds| bounds.padded(measures.pad));
-    let bounds = ends[0].union(ends[1]);
+    let mut boxes = (0..count)
+        .map(|slot| field.motion_boxes(index(slot)))
+        .fold(MotionBoxes::EMPTY, MotionBoxes::union);
+    boxes.ends = boxes.ends.map(|bounds| bounds.padded(measures.pad));
+    boxes.curve = boxes.curve.map(|bounds| bounds.padded(measures.pad));
+    let bounds = boxes.ends[0].union(boxes.ends[1]);
     let middle = field
         .motion
         .as_ref()
@@ -188,32 +184,29 @@ pub(super) fn fit_leaf<P: Primitive>(
         },
     }
     .to_block();
-    ends
+    boxes
 }
 
 /// Where lanes without a blob lie: what is there reaches no ray.
 const NOWHERE: [f32; 3] = [1e15; 3];
 
-/// Sets the boxes of all nodes from those of the leaves, or those of `closing` where it is not empty;
-/// returns the box around everything, and how many boxes a ray that meets it meets by the surface
-/// area heuristic.
-pub(super) fn fit_nodes(
-    nodes: &mut [Node],
-    closing: &mut [[[f32; 8]; 6]],
-    leaves: impl Fn(usize) -> Aabb,
-) -> (Aabb, f32) {
+/// The boxes of all nodes at one time.
+pub(super) struct Fitted {
+    /// Node by node; those of children that do not exist are [`Node::FAR`].
+    pub(super) faces: Vec<Faces>,
+    /// How many boxes a ray that meets all of them meets, by the surface area heuristic.
+    pub(super) cost: f32,
+}
+
+/// Fits the boxes of all nodes to those of the leaves.
+pub(super) fn fit_nodes(nodes: &[Node], leaves: impl Fn(usize) -> Aabb) -> Fitted {
     let mut areas = 0.0_f64;
     let mut boxes = vec![Aabb::EMPTY; nodes.len()];
+    let mut faces = vec![Node::FAR; nodes.len()];
     // Children stand behind their parents.
     for index in (0..nodes.len()).rev() {
-        let children = nodes[index].children;
-        let target = match closing.get_mut(index) {
-            Some(bounds) => bounds,
-            None => &mut nodes[index].bounds,
-        };
         let mut all = Aabb::EMPTY;
-        for slot in 0..8 {
-            let reference = children[slot];
+        for (slot, &reference) in nodes[index].children.iter().enumerate() {
             if reference == Node::NONE {
                 break;
             }
@@ -223,8 +216,8 @@ pub(super) fn fit_nodes(
                 boxes[reference as usize]
             };
             for axis in 0..3 {
-                target[axis][slot] = bounds.min[axis];
-                target[3 + axis][slot] = bounds.max[axis];
+                faces[index][axis][slot] = bounds.min[axis];
+                faces[index][3 + axis][slot] = bounds.max[axis];
             }
             areas += f64::from(bounds.half_area());
             all = all.union(bounds);
@@ -232,5 +225,8 @@ pub(super) fn fit_nodes(
         boxes[index] = all;
     }
     let cost = areas / f64::from(boxes[0].half_area()).max(f64::MIN_POSITIVE);
-    (boxes[0], cost as f32)
+    Fitted {
+        faces,
+        cost: cost as f32,
+    }
 }

@@ -1,8 +1,8 @@
 //! Walks the tree front to back. What is still to be visited stands sorted by where the ray enters it,
 //! so nothing that is not yet visited reaches the ray before the frontier.
 
-use super::ParticleTree;
-use super::layout::Node;
+use super::layout::Faces;
+use super::{Elapsed, MovingFaces, ParticleTree};
 use crate::accel::cells::layout::LEAF;
 use crate::accel::cells::traverse::SlabRay;
 use crate::math::simd::{splat3, xyz};
@@ -18,8 +18,8 @@ pub struct Slabs<S: Simd> {
     near_row: [usize; 3],
     far_row: [usize; 3],
     end: f32x8<S>,
-    /// How much of the shutter's time is over, 0 to 1.
-    elapsed: f32x8<S>,
+    /// How much of the shutter's time is over.
+    elapsed: Elapsed<f32x8<S>>,
 }
 
 impl<S: Simd> Slabs<S> {
@@ -28,7 +28,7 @@ impl<S: Simd> Slabs<S> {
     pub fn new(simd: S, ray: &SlabRay, tree: &ParticleTree, time_secs: f64) -> Self {
         let [open, close] = tree.shutter_secs;
         let elapsed = if close > open {
-            ((time_secs - open) / (close - open)).clamp(0.0, 1.0)
+            ((time_secs - open) / (close - open)).clamp(0.0, 1.0) as f32
         } else {
             0.0
         };
@@ -45,7 +45,10 @@ impl<S: Simd> Slabs<S> {
             near_row: [row(0, false), row(1, false), row(2, false)],
             far_row: [row(0, true), row(1, true), row(2, true)],
             end: f32x8::splat(simd, ray.t_max),
-            elapsed: f32x8::splat(simd, elapsed as f32),
+            elapsed: Elapsed::new(
+                f32x8::splat(simd, elapsed),
+                f32x8::splat(simd, 1.0 - elapsed),
+            ),
         }
     }
 }
@@ -83,7 +86,7 @@ impl Frontier {
             return Some(reference & !LEAF);
         }
         let index = reference as usize;
-        self.open(simd, &tree.nodes[index], tree.closing.get(index), ray);
+        self.open(simd, tree.faces(index), &tree.nodes[index].children, ray);
         None
     }
 
@@ -91,21 +94,21 @@ impl Frontier {
     fn open<S: Simd>(
         &mut self,
         simd: S,
-        node: &Node,
-        closing: Option<&[[f32; 8]; 6]>,
+        faces: MovingFaces<'_>,
+        children: &[u32; 8],
         ray: &Slabs<S>,
     ) {
         let near = xyz(
             #[inline(always)]
             |axis| {
-                let faces = bounds_at(simd, node, closing, ray, ray.near_row[axis]);
+                let faces = faces_at(simd, &faces, ray, ray.near_row[axis]);
                 (faces - ray.origin[axis]) * ray.inverse[axis]
             },
         );
         let far = xyz(
             #[inline(always)]
             |axis| {
-                let faces = bounds_at(simd, node, closing, ray, ray.far_row[axis]);
+                let faces = faces_at(simd, &faces, ray, ray.far_row[axis]);
                 (faces - ray.origin[axis]) * ray.inverse[axis]
             },
         );
@@ -119,7 +122,7 @@ impl Frontier {
             pierced &= pierced - 1;
             // −0 would stand behind everything.
             let bits = near[slot].abs().to_bits();
-            self.insert(u64::from(bits) << 32 | u64::from(node.children[slot]));
+            self.insert(u64::from(bits) << 32 | u64::from(children[slot]));
         }
     }
 
@@ -135,23 +138,10 @@ impl Frontier {
     }
 }
 
-/// One of the six bounds of a node's children at the ray's time.
+/// One of the six faces of a node's children at the ray's time.
 #[inline(always)]
-fn bounds_at<S: Simd>(
-    simd: S,
-    node: &Node,
-    closing: Option<&[[f32; 8]; 6]>,
-    ray: &Slabs<S>,
-    row: usize,
-) -> f32x8<S> {
-    let open = f32x8::from_slice(simd, &node.bounds[row]);
-    match closing {
-        None => open,
-        Some(closing) => {
-            let close = f32x8::from_slice(simd, &closing[row]);
-            // Children that do not exist have infinite boxes, between which there is no number.
-            let exists = open.abs().simd_lt(f32x8::splat(simd, f32::INFINITY));
-            exists.select((close - open) * ray.elapsed + open, open)
-        }
-    }
+fn faces_at<S: Simd>(simd: S, faces: &MovingFaces<'_>, ray: &Slabs<S>, row: usize) -> f32x8<S> {
+    let lanes = |faces: &Faces| f32x8::from_slice(simd, &faces[row]);
+    let (open, close) = (lanes(faces.open), faces.close.map(lanes));
+    ray.elapsed.face(open, close, faces.bulge.map(lanes))
 }

@@ -4,18 +4,31 @@
 use crate::field::BlobField;
 use crate::primitive::Primitive;
 
+/// Boxes of a node's children, axis by axis: lower faces of the eight, then upper faces.
+pub type Faces = [[f32; 8]; 6];
+
 /// Eight children: their boxes axis by axis, and where they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(32))]
 pub struct Node {
     /// `bounds[axis]`: lower faces of the eight boxes, `bounds[3 + axis]`: upper faces. A child that
     /// does not exist has an empty box.
-    pub bounds: [[f32; 8]; 6],
+    pub bounds: Faces,
     /// Index of a node, or [`LEAF`](crate::accel::cells::layout::LEAF) | number of a leaf.
     pub children: [u32; 8],
 }
 
 impl Node {
+    /// The faces of boxes that nothing reaches, though numbers can be interpolated between them.
+    pub const FAR: Faces = [
+        [FAR_AWAY; 8],
+        [FAR_AWAY; 8],
+        [FAR_AWAY; 8],
+        [-FAR_AWAY; 8],
+        [-FAR_AWAY; 8],
+        [-FAR_AWAY; 8],
+    ];
+
     /// A node without children.
     pub const EMPTY: Self = Self {
         bounds: [
@@ -32,6 +45,9 @@ impl Node {
     /// In `children`: there is none.
     pub const NONE: u32 = u32::MAX;
 }
+
+/// Beyond all coordinates, and small enough for sums and for products with inverse directions.
+const FAR_AWAY: f32 = 1e30;
 
 /// Columns of a blob: x, y, z, the shape's columns, the weight and the index.
 pub const fn columns<P: Primitive>() -> usize {

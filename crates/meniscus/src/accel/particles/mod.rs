@@ -9,19 +9,22 @@ mod curve;
 mod fit;
 pub mod frontier;
 pub mod layout;
+mod motion;
 mod sah;
 mod topology;
 
 use crate::accel::cells::layout::Block;
-use crate::field::BlobField;
+use crate::field::{BlobField, MotionBoxes};
 use crate::math::aabb::Aabb;
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
-use crate::scene::Builder;
+use crate::scene::{Builder, MotionBounds};
 pub use curve::size_class;
 use fit::inner_level;
 pub use fit::{FINEST_PART, Measures};
 use glam::Vec3;
-use layout::Node;
+use layout::{Faces, Node};
+pub use motion::{Elapsed, MovingFaces};
+use motion::{Way, bulge, curve_pad};
 use rayon::prelude::*;
 use topology::Topology;
 
@@ -31,8 +34,12 @@ pub struct ParticleTree {
     /// Eight-wide nodes, root first, children behind their parents.
     pub nodes: Vec<Node>,
     /// Boxes of the nodes' children when the shutter closes, where blobs move: those of `nodes` are from
-    /// when it opens. A box in between holds what it has to at the time in between.
-    pub closing: Vec<[[f32; 8]; 6]>,
+    /// when it opens. A box in between, see [`MovingFaces`], holds what it has to at the time in between.
+    closing: Vec<Faces>,
+    /// How far they bulge out in between, where they move along curves.
+    bulges: Vec<Faces>,
+    /// Whether curves were asked for.
+    motion_bounds: MotionBounds,
     /// When the shutter opens and closes, in seconds relative to the frame.
     pub shutter_secs: [f64; 2],
     /// Leaves, each a header and one chunk of blobs; see [`layout`].
@@ -63,12 +70,25 @@ pub struct LeafTimes {
     pub since_frame_secs: f32,
 }
 
+/// Which of its boxes a leaf is asked for.
+#[derive(Debug, Clone, Copy)]
+enum Time {
+    Open,
+    Control,
+    Close,
+}
+
 /// A refitted tree is worn where rays meet this many times the boxes of the one that was built.
 pub const WORN: f32 = 1.25;
 
 impl ParticleTree {
     /// Builds the tree of `field`. The same field gives the same tree for any number of threads.
     pub fn build(field: &BlobField, builder: Builder) -> Self {
+        Self::build_with(field, builder, MotionBounds::default())
+    }
+
+    /// Builds the tree of `field` with boxes that follow motion in a stated way.
+    pub fn build_with(field: &BlobField, builder: Builder, motion_bounds: MotionBounds) -> Self {
         let count = field.len() as u32;
         let (topology, order) = match builder {
             Builder::Sah => {
@@ -90,12 +110,19 @@ impl ParticleTree {
             }
         };
         match field.shapes {
-            Shapes::Balls(_) => Self::from_topology::<Ball>(field, topology, order),
-            Shapes::Ellipsoids(_) => Self::from_topology::<Ellipsoid>(field, topology, order),
+            Shapes::Balls(_) => Self::from_topology::<Ball>(field, topology, order, motion_bounds),
+            Shapes::Ellipsoids(_) => {
+                Self::from_topology::<Ellipsoid>(field, topology, order, motion_bounds)
+            }
         }
     }
 
-    fn from_topology<P: Primitive>(field: &BlobField, topology: Topology, order: Vec<u32>) -> Self {
+    fn from_topology<P: Primitive>(
+        field: &BlobField,
+        topology: Topology,
+        order: Vec<u32>,
+        motion_bounds: MotionBounds,
+    ) -> Self {
         let Topology { nodes, leaves } = topology;
         let motion_columns = layout::motion_columns(field);
         let mut tree = Self {
@@ -103,6 +130,7 @@ impl ParticleTree {
             blocks: fit::leaves_of::<P>(&leaves, &order, motion_columns),
             leaves: leaves.len(),
             motion_columns,
+            motion_bounds,
             ..Self::default()
         };
         tree.fit::<P>(field);
@@ -137,26 +165,79 @@ impl ParticleTree {
         if self.leaves == 0 {
             return;
         }
-        let fitted: Vec<[Aabb; 2]> = self
+        let fitted: Vec<MotionBoxes> = self
             .blocks
             .par_chunks_mut(layout::leaf_blocks::<P>(self.motion_columns))
             .map(|leaf| fit::fit_leaf::<P>(field, &measures, leaf))
             .collect();
-        let (bounds, cost) = fit::fit_nodes(&mut self.nodes, &mut [], |leaf| fitted[leaf][0]);
-        (self.bounds, self.cost) = (Some(bounds), cost);
-        if let Some(motion) = &field.motion {
-            self.shutter_secs = motion.shutter;
-            self.closing
-                .resize(self.nodes.len(), layout::Node::EMPTY.bounds);
-            let closing = &mut self.closing;
-            let (close, _) = fit::fit_nodes(&mut self.nodes, closing, |leaf| fitted[leaf][1]);
-            self.bounds = Some(bounds.union(close));
+        let (way, pad) = match &field.motion {
+            None => (Way::Straight, 0.0),
+            Some(motion) => {
+                self.shutter_secs = motion.shutter;
+                match Way::of(self.motion_bounds, &fitted) {
+                    Way::Straight => (Way::Straight, 0.0),
+                    Way::Curved => (Way::Curved, curve_pad(&fitted)),
+                }
+            }
+        };
+        let at = |time: Time| {
+            fit::fit_nodes(&self.nodes, |leaf| {
+                let MotionBoxes { ends, curve } = &fitted[leaf];
+                match (way, time) {
+                    (Way::Straight, Time::Open) => ends[0],
+                    (Way::Straight, Time::Close) => ends[1],
+                    (Way::Curved, Time::Open) => curve[0].padded(pad),
+                    (Way::Curved, Time::Close) => curve[2].padded(pad),
+                    (_, Time::Control) => curve[1].padded(pad),
+                }
+            })
+        };
+        let open = at(Time::Open);
+        self.cost = open.cost;
+        self.closing.clear();
+        self.bulges.clear();
+        if field.motion.is_some() {
+            self.closing = at(Time::Close).faces;
         }
+        if way == Way::Curved {
+            let control = at(Time::Control).faces;
+            let faces = open.faces.par_iter().zip(&control).zip(&self.closing);
+            self.bulges = faces
+                .map(|((open, control), close)| bulge([open, control, close]))
+                .collect();
+        }
+        for (node, faces) in self.nodes.iter_mut().zip(open.faces) {
+            node.bounds = faces;
+        }
+        let always = fitted.iter().fold(Aabb::EMPTY, |all, boxes| {
+            all.union(boxes.ends[0]).union(boxes.ends[1])
+        });
+        self.bounds = Some(always.padded(pad));
     }
 
     /// Whether its blobs move while the shutter is open.
     pub fn moves(&self) -> bool {
         !self.closing.is_empty()
+    }
+
+    /// Whether the boxes of its nodes move along curves.
+    pub fn moves_along_curves(&self) -> bool {
+        !self.bulges.is_empty()
+    }
+
+    /// The boxes of node `index` and how they move.
+    #[inline(always)]
+    pub fn faces(&self, index: usize) -> MovingFaces<'_> {
+        MovingFaces {
+            open: &self.nodes[index].bounds,
+            close: self.closing.get(index),
+            bulge: self.bulges.get(index),
+        }
+    }
+
+    /// Whether the tree can be [refitted](Self::refit) to `field`.
+    pub fn suits(&self, field: &BlobField) -> bool {
+        self.motion_columns == layout::motion_columns(field)
     }
 
     /// A time as the leaves' blobs count it.
@@ -173,6 +254,7 @@ impl ParticleTree {
     pub fn structure_bytes(&self) -> usize {
         self.nodes.len() * size_of::<Node>()
             + size_of_val(&*self.closing)
+            + size_of_val(&*self.bulges)
             + self.blocks.len() * size_of::<Block>()
     }
 }

@@ -1,6 +1,4 @@
 //! Sixteen particles side by side: sums over their neighbours, and what these make of their shapes.
-//!
-//! Products and sums are not fused, so that every SIMD level gives the same bits.
 
 use super::{FEW, FILLED, LARGEST_RATIO, LEAST, SMOOTHING};
 use crate::math::simd::xyz;
@@ -29,7 +27,7 @@ struct Sums<S: Simd> {
 pub(super) fn shapes<S: Simd>(
     simd: S,
     near: [&[f32]; 3],
-    at: &[Lanes; 3],
+    at: &[f32x16<S>; 3],
     per_reach: &Lanes,
 ) -> [Lanes; NUMBERS] {
     settle(simd, sums(simd, near, at, per_reach))
@@ -37,10 +35,9 @@ pub(super) fn shapes<S: Simd>(
 
 /// Σw, Σw·e and Σw·e·eᵀ, e = (neighbour − `at`)·`per_reach`, w = 1 − |e|³.
 #[inline(always)]
-fn sums<S: Simd>(simd: S, near: [&[f32]; 3], at: &[Lanes; 3], per_reach: &Lanes) -> Sums<S> {
-    let load = |lanes: &Lanes| f32x16::from_slice(simd, lanes);
-    let (ax, ay, az) = (load(&at[0]), load(&at[1]), load(&at[2]));
-    let scale = load(per_reach);
+fn sums<S: Simd>(simd: S, near: [&[f32]; 3], at: &[f32x16<S>; 3], per_reach: &Lanes) -> Sums<S> {
+    let [ax, ay, az] = *at;
+    let scale = f32x16::from_slice(simd, per_reach);
     let zero = f32x16::splat(simd, 0.0);
     let one = f32x16::splat(simd, 1.0);
     let mut weight = zero;

@@ -53,7 +53,7 @@ pub fn closest_many(
     scratch: &mut Scratch,
 ) {
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        if !cells.suit_packets() || !packet::may_be_coherent(rays) {
+        if !cells.suit_packets(|| part_of_shutter(blobs, rays)) || !packet::may_be_coherent(rays) {
             for (ray, hit) in rays.iter().zip(hits) {
                 *hit = ray
                     .is_traceable()
@@ -91,7 +91,7 @@ pub fn occluded_many(
     scratch: &mut Scratch,
 ) {
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        if !cells.suit_packets() || !packet::may_be_coherent(rays) {
+        if !cells.suit_packets(|| part_of_shutter(blobs, rays)) || !packet::may_be_coherent(rays) {
             for (ray, hit) in rays.iter().zip(hits) {
                 *hit = ray.is_traceable() && occluded(blobs, cells, ray, scratch);
             }
@@ -106,6 +106,16 @@ pub fn occluded_many(
             };
         }
     }
+}
+
+/// What part of the shutter the times of rays are spread over.
+fn part_of_shutter(blobs: &Blobs, rays: &[Ray]) -> f32 {
+    let phases = rays.iter().map(|ray| phase(blobs, ray.time));
+    let (first, last) = phases.fold(
+        (f32::INFINITY, f32::NEG_INFINITY),
+        |(first, last), phase| (first.min(phase), last.max(phase)),
+    );
+    0.5 * (last - first)
 }
 
 /// First crossing of a traceable object-space ray.

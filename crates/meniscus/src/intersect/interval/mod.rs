@@ -1,5 +1,5 @@
 //! Engine `interval`: interval refinement over the particles that a ray meets, found through a bounding
-//! volume hierarchy (Ray Tracing Gems II ch. 35, §35.3–35.4, on unmoving blobs).
+//! volume hierarchy (Ray Tracing Gems II ch. 35, §35.3–35.4).
 //!
 //! As in the chapter: inner spheres end the collection for rays from outside, the end of the last
 //! support for rays from inside; F is bounded over an interval by the sum of tight bounds of each

@@ -217,3 +217,31 @@ fn a_single_sample_lies_at_the_pixel_centre() {
     assert_eq!(at(1), [3.5, 5.5]);
     assert_ne!(at(4), [3.5, 5.5]);
 }
+
+#[test]
+fn times_cover_the_shutter_in_every_pixel_and_agree_in_blocks() {
+    for spp in [1_u32, 2, 3, 16, 24] {
+        let strata = 1_u32 << spp.ilog2();
+        let stratum = |pixel, sample| {
+            let part = part_of_shutter(pixel, sample, spp, 5);
+            assert!((0.0..1.0).contains(&part));
+            (part * f64::from(strata)) as u32
+        };
+        for pixel in [[0, 0], [7, 9], [640, 3]] {
+            let mut seen: Vec<u32> = (0..strata).map(|sample| stratum(pixel, sample)).collect();
+            for (sample, &stratum_of_first) in seen.iter().enumerate() {
+                let neighbour = pixel.map(|k| k / TIME_BLOCK * TIME_BLOCK + 3);
+                assert_eq!(stratum(neighbour, sample as u32), stratum_of_first);
+            }
+            seen.sort_unstable();
+            assert!(seen.into_iter().eq(0..strata), "{spp}");
+        }
+    }
+    // Blocks take strata in other orders, and pixels of a block other places in one.
+    let part = |pixel| part_of_shutter(pixel, 0, 16, 5);
+    let first = |k: u32| (part([4 * k, 0]) * 16.0) as u32;
+    assert!((1..9).any(|k| first(k) != first(0)));
+    assert!(part([0, 0]) != part([1, 0]));
+    let mean = (0..4096).map(|k| part([k, 8])).sum::<f64>() / 4096.0;
+    assert!((mean - 0.5).abs() < 0.04, "{mean}");
+}

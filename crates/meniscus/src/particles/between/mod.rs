@@ -7,8 +7,9 @@
 
 mod keys;
 mod motion;
+mod shapes;
 
-use super::{Attribute, Column, ColumnData, Particles, Role};
+use super::{Column, ColumnData, Particles, Role};
 use glam::DVec3;
 use keys::Keys;
 use motion::{Around, Motion, disagreement, usable, vectors};
@@ -196,8 +197,9 @@ impl Pair {
     }
 
     /// The particles at `fraction` of the interval, 0 to 1: those of both frames and those that leave,
-    /// in the earlier frame's order, then those that come. Columns of floats are blended, of integers
-    /// taken from the nearer frame; columns that one frame lacks are left out.
+    /// in the earlier frame's order, then those that come. Columns of floats are blended (those that
+    /// describe shapes turn), of integers taken from the nearer frame; columns that one frame lacks are
+    /// left out.
     pub fn at(&self, fraction: f64) -> Particles {
         let u = fraction.clamp(0.0, 1.0);
         let scale = |place: &Place| match place {
@@ -210,31 +212,17 @@ impl Pair {
             .collect();
         let (a, b) = (&self.earlier, &self.later);
         let places: Vec<Place> = kept.iter().map(|&i| self.places[i]).collect();
-        // q and −q are the same turn: the nearer of the two is meant.
-        let turns = [a, b].map(|particles| particles.role(Role::Orientation));
-        let is_opposite = |i: usize, j: usize| match &turns {
-            [Some(from), Some(to)] => {
-                let each = 0..from.components().min(to.components());
-                each.map(|k| from.get(i, k) * to.get(j, k)).sum::<f64>() < 0.0
-            }
-            _ => false,
-        };
-        let is_turn = |name: &str| {
-            let mut columns = turns.iter().flatten().flat_map(Attribute::columns);
-            columns.any(|column| column.name == name)
-        };
         let mut columns: Vec<Column> = a
             .columns
             .iter()
             .filter_map(|column| {
                 let other = b.column(&column.name)?;
-                (other.components == column.components && column.name != SUPPORT_SCALE).then(|| {
-                    let is_turn = is_turn(&column.name);
-                    let is_opposite = |i, j| is_turn && is_opposite(i, j);
-                    blended(column, other, &places, u, is_opposite)
-                })
+                let is_alike =
+                    other.components == column.components && column.name != SUPPORT_SCALE;
+                is_alike.then(|| blended(column, other, &places, u))
             })
             .collect();
+        shapes::turn(&mut columns, [a, b], &places, u);
         let owned = [a, b].map(|particles| particles.role(Role::SupportScale));
         let own = |side: usize, index: usize| owned[side].as_ref().map(|own| own.get(index, 0));
         let scales: Vec<f32> = places
@@ -265,19 +253,12 @@ impl Pair {
     }
 }
 
-/// A column at a fraction of the interval; where `is_opposite`, the later frame's numbers change sign.
-fn blended(
-    a: &Column,
-    b: &Column,
-    places: &[Place],
-    fraction: f64,
-    is_opposite: impl Fn(usize, usize) -> bool,
-) -> Column {
+/// A column at a fraction of the interval.
+fn blended(a: &Column, b: &Column, places: &[Place], fraction: f64) -> Column {
     let components = a.components;
     let blend = |place: &Place, component: usize| match *place {
         Place::Both(i, j) => {
             let (from, to) = (a.get(i, component), b.get(j, component));
-            let to = if is_opposite(i, j) { -to } else { to };
             from + (to - from) * fraction
         }
         Place::EarlierOnly(i) => a.get(i, component),

@@ -1,4 +1,5 @@
 use super::*;
+use glam::DMat3;
 use std::collections::HashMap;
 
 const GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
@@ -306,5 +307,146 @@ fn turns_take_the_shorter_way() {
             "{names:?}: {angle}"
         );
         assert_eq!([x, y], [0.0; 2]);
+    }
+}
+
+/// Three frames of one particle with a shape, an even turn apart, and its shape M = (FFᵀ)⁻¹ between
+/// them at `at` intervals, from whatever `columns` say.
+fn shape_at(
+    columns: impl Fn(f64) -> Vec<Column>,
+    metric: impl Fn(&Particles) -> DMat3,
+    at: f64,
+) -> DMat3 {
+    let moment = |time: f64| {
+        let mut particles = Particles::from_positions(vec![DVec3::ZERO]);
+        particles.columns = columns(time);
+        particles.columns.push(Column::new("id", 1, vec![1]));
+        Moment {
+            name: String::new(),
+            particles: Arc::new(particles),
+            time,
+        }
+    };
+    let first = at.floor().clamp(0.0, 1.0);
+    let pair = Pair::new(
+        None,
+        &moment(first),
+        &moment(first + 1.0),
+        None,
+        &settings(1.0),
+    );
+    metric(&pair.unwrap().at(at - first))
+}
+
+/// An ellipsoid that turns by 50° per frame about an axis of no particular direction; its radii change
+/// by even factors.
+fn spinning(time: f64) -> [DMat3; 3] {
+    let axis = DVec3::new(0.3, -0.5, 0.8).normalize();
+    let turn = DMat3::from_axis_angle(axis, 50_f64.to_radians() * time);
+    let start = DMat3::from_rotation_x(0.4);
+    let radii = DVec3::new(4.0, 1.0, 0.5 * 1.1_f64.powf(time));
+    [turn, start, DMat3::from_diagonal(radii)]
+}
+
+fn row_by_row(m: DMat3) -> Vec<f64> {
+    m.transpose().to_cols_array().to_vec()
+}
+
+#[test]
+fn metrics_gradients_and_axes_turn_evenly_without_popping_at_frames() {
+    let exact = |time: f64| {
+        let [turn, start, radii] = spinning(time);
+        let shape = turn * start * radii;
+        (shape * shape.transpose()).inverse()
+    };
+    let nine = |particles: &Particles, role: Role| {
+        let role = particles.role(role).unwrap();
+        DMat3::from_cols_array(&[0, 1, 2, 3, 4, 5, 6, 7, 8].map(|k| role.get(0, k)))
+    };
+    let of_metric = |order: [usize; 6], time: f64| {
+        let m = exact(time).to_cols_array();
+        let numbers = [m[0], m[1], m[2], m[4], m[5], m[8]];
+        vec![Column::new("metric", 6, order.map(|k| numbers[k]).to_vec())]
+    };
+    let six = |places: [usize; 9]| {
+        move |particles: &Particles| {
+            let role = particles.role(Role::Metric).unwrap();
+            DMat3::from_cols_array(&places.map(|k| role.get(0, k)))
+        }
+    };
+    let of_gradient = |sign: f64, time: f64| {
+        let [turn, start, radii] = spinning(time);
+        let gradient = turn * start * radii * start.transpose();
+        // Every second one is turned inside out.
+        let sign = if time == 1.0 { sign } else { 1.0 };
+        let numbers = row_by_row(gradient * sign);
+        let names = [
+            "F00", "F01", "F02", "F10", "F11", "F12", "F20", "F21", "F22",
+        ];
+        let columns = names.iter().zip(numbers);
+        columns
+            .map(|(name, number)| Column::new(*name, 1, vec![number]))
+            .collect()
+    };
+    let from_gradient = |particles: &Particles| {
+        let gradient = nine(particles, Role::Deformation).transpose();
+        (gradient * gradient.transpose()).inverse()
+    };
+    let of_axes = |time: f64| {
+        let [turn, start, radii] = spinning(time);
+        let mut shape = turn * start * radii;
+        if time == 1.0 {
+            shape.y_axis = -shape.y_axis;
+        }
+        vec![Column::new("axes", 9, shape.to_cols_array().to_vec())]
+    };
+    let from_axes = |particles: &Particles| {
+        let shape = nine(particles, Role::Axes);
+        (shape * shape.transpose()).inverse()
+    };
+    let plain = [0, 1, 2, 1, 3, 4, 2, 4, 5];
+    let vtk = [0, 3, 5, 3, 1, 4, 5, 4, 2];
+    type At<'a> = Box<dyn Fn(f64) -> DMat3 + 'a>;
+    let ways: [(&str, f64, At<'_>); 5] = [
+        (
+            "metric",
+            1e-9,
+            Box::new(|at| shape_at(|time| of_metric([0, 1, 2, 3, 4, 5], time), six(plain), at)),
+        ),
+        (
+            "VTK's metric",
+            1e-9,
+            Box::new(|at| shape_at(|time| of_metric([0, 3, 5, 1, 4, 2], time), six(vtk), at)),
+        ),
+        // Stretches change evenly, radii of `spinning` by factors.
+        (
+            "gradient",
+            0.01,
+            Box::new(|at| shape_at(|time| of_gradient(1.0, time), from_gradient, at)),
+        ),
+        (
+            "gradient inside out",
+            0.01,
+            Box::new(|at| shape_at(|time| of_gradient(-1.0, time), from_gradient, at)),
+        ),
+        (
+            "axes",
+            0.01,
+            Box::new(|at| shape_at(of_axes, from_axes, at)),
+        ),
+    ];
+    let size = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    for (name, tolerance, way) in ways {
+        for step in 0..=20 {
+            let at = f64::from(step) / 10.0;
+            let (found, wanted) = (way(at), exact(at));
+            let error = size(found - wanted) / size(wanted);
+            assert!(error <= tolerance, "{name} at {at}: {error}");
+        }
+        // From either side a frame is that frame.
+        for side in [-1e-7, 1e-7] {
+            let error = size(way(1.0 + side) - exact(1.0)) / size(exact(1.0));
+            assert!(error < 1e-5, "{name}: {error}");
+        }
     }
 }

@@ -19,6 +19,7 @@ const PLAIN: EngineSettings = EngineSettings {
     discard: false,
     clipping: meniscus::scene::Clipping::Own,
     builder: meniscus::scene::Builder::Sah,
+    motion_bounds: meniscus::scene::MotionBounds::Auto,
     peel: meniscus::scene::PeelVariant::Tiles,
 };
 

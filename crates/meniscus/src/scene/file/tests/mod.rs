@@ -48,6 +48,7 @@ cost = "n"
 fit = false
 clipping = "kanamori"
 builder = "morton"
+motion_bounds = "bezier"
 
 [[surface]]
 name = "crown"
@@ -174,6 +175,7 @@ fn full() -> Scene {
             fit: false,
             clipping: Clipping::Kanamori,
             builder: crate::scene::Builder::Morton,
+            motion_bounds: crate::scene::MotionBounds::Bezier,
             ..Default::default()
         },
         surfaces: vec![
