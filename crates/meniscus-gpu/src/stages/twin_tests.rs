@@ -35,8 +35,8 @@ fn probe(@builtin(global_invocation_id) id: vec3u) {
     let draw = asked.side_of;
     let one = draw_1d(sampler, draw);
     let two = draw_2d(sampler, draw);
-    let of = draw_2d_of(sampler, draw, 37u, draw % 37u);
-    seen[id.x] = Seen(vec3f(one, two), 0u, vec3f(of, 0.0), 0u, cosine_lobe(two), 0u);
+    let many = draw_2d_of(sampler, draw, 37u, draw % 37u);
+    seen[id.x] = Seen(vec3f(one, two), 0u, vec3f(many, 0.0), 0u, cosine_lobe(two), 0u);
 }
 ";
 
@@ -181,7 +181,7 @@ fn ask(
 
 /// A surface of every kind of look, and every kind of light.
 fn frame() -> Frame {
-    let mut text = "[[surface]]\nfile = \"\"\n".to_owned();
+    let mut text = "[[surface]]\nfile = \"set.npy\"\n".to_owned();
     for (i, material) in [
         "type = \"diffuse\"",
         "type = \"glossy\"\nroughness = 0.4",

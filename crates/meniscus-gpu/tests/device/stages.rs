@@ -128,7 +128,7 @@ fn check(device: &Device, what: &str, text: &str, set: &str, lights: &[Light]) {
     }
 }
 
-const SURFACE: &str = "[[surface]]\nfile = \"\"\n";
+const SURFACE: &str = "[[surface]]\nfile = \"set.npy\"\n";
 const SUN_AND_SKY: &str =
     "[[light]]\ntype = \"sun\"\ndirection = [1, 2, 1.5]\n[[light]]\ntype = \"sky\"\n";
 const LAMPS: &str = "
