@@ -266,7 +266,7 @@ fn moving_blobs() {
 
 /// What is claimed of a million rays takes a million: `cargo test -p meniscus-gpu --test device -- --ignored`.
 #[test]
-#[ignore = "20 minutes on lavapipe, under one on a card: run by benches/gpu.sh"]
+#[ignore = "takes minutes: run by benches/gpu.sh"]
 fn a_million_rays() {
     check(
         "a_million_rays",

@@ -227,7 +227,7 @@ fn little_room_loses_nothing() {
 
 /// What is claimed takes a million rays: `cargo test -p meniscus-gpu --test device -- --ignored`.
 #[test]
-#[ignore = "20 minutes on lavapipe, under one on a card: run by benches/gpu.sh"]
+#[ignore = "takes minutes: run by benches/gpu.sh"]
 fn a_million_rays_of_cameras() {
     let scenes = corpus::suite();
     for variant in VARIANTS {
