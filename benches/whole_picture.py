@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Particles to a closed PNG with one hard shadow, against meshing and against POV-Ray's blobs.
 
-  cargo build --release; apt-get install povray; pip install numpy pysplashsurf
-  python3 benches/whole_picture.py [--pov] FOLDER...
+  cargo build --release; apt-get install povray libembree-dev libpng-dev; pip install numpy pysplashsurf
+  g++ -O3 -march=native -std=c++17 benches/embree_mesh.cpp -o embree_mesh -lembree3 -lpng -pthread
+  python3 benches/whole_picture.py [--pov] ./embree_mesh FOLDER...
 
 FOLDER as for against_embree.py. Everything is a process from start to end on two threads with a warm
-file cache, 640x480, one sample a pixel; medians of interleaved rounds (POV-Ray once). Of the mesher
-only the reconstruction is counted, not the rendering of its mesh.
+file cache, 640x480, one sample a pixel; medians of interleaved rounds (POV-Ray once). The mesher's
+mesh goes through a file to Embree, which writes the picture; both processes count.
 """
 
 import json
@@ -24,9 +25,10 @@ ROUNDS, THREADS = 5, "2"
 CELLS = ("1.0", "0.5")  # of a particle's radius
 
 
-def seconds(words, **options):
+def seconds(commands, **options):
     start = time.perf_counter()
-    subprocess.run(words, check=True, capture_output=True, **options)
+    for words in commands:
+        subprocess.run(words, check=True, capture_output=True, **options)
     return time.perf_counter() - start
 
 
@@ -38,6 +40,13 @@ def ours(points, meta, out):
     words += ["--kernel", "quartic", "--weights", "unit", "--up", "z", "--fov", str(camera["vfov"])]
     words += ["--camera-eye", flag(camera["eye"]), "--camera-target", flag(camera["look"])]
     return words + ["--light", flag(meta["light"]), "--threads", THREADS]
+
+
+def rendered(embree, meta, out):
+    camera = meta["cam"]
+    words = lambda vector: [str(x) for x in vector]
+    view = [*words(camera["eye"]), *words(camera["look"]), *words(camera["up"]), str(camera["vfov"])]
+    return [embree, f"{out}/mesh.ply", f"{out}/mesh.png", THREADS, *view, *words(meta["light"])]
 
 
 def mesher(xyz, meta, cell, out):
@@ -61,7 +70,7 @@ def pov_scene(positions, meta, path):
         file.write("pigment { rgb 0.7 } }\n")
 
 
-def compare(folder, with_pov):
+def compare(embree, folder, with_pov):
     with open(f"{folder}/meta.json") as file:
         meta = json.load(file)
     points = f"{folder}/points.npy"
@@ -69,28 +78,30 @@ def compare(folder, with_pov):
     with tempfile.TemporaryDirectory() as out:
         xyz = f"{out}/points.xyz"
         positions.astype("<f4").tofile(xyz)
-        commands = {"meniscus": ours(points, meta, out)}
+        ways = {"meniscus": [ours(points, meta, out)]}
         if "h" in meta:
-            commands |= {f"splashsurf, cell {cell}": mesher(xyz, meta, cell, out) for cell in CELLS}
-        times = {name: [] for name in commands}
-        for words in commands.values():
-            seconds(words)
+            for cell in CELLS:
+                mesh = mesher(xyz, meta, cell, out)
+                ways[f"splashsurf, cell {cell}, + Embree"] = [mesh, rendered(embree, meta, out)]
+        times = {name: [] for name in ways}
+        for commands in ways.values():
+            seconds(commands)
         for _ in range(ROUNDS):
-            for name, words in commands.items():
-                times[name].append(seconds(words))
+            for name, commands in ways.items():
+                times[name].append(seconds(commands))
         medians = {name: statistics.median(list_of) for name, list_of in times.items()}
         if with_pov:
             pov_scene(positions, meta, f"{out}/scene.pov")
             words = ["povray", "+Iscene.pov", "+Opov.png", "+W640", "+H480", "-D", "-A", f"+WT{THREADS}"]
-            medians["POV-Ray"] = seconds(words, cwd=out)
+            medians["POV-Ray"] = seconds([words], cwd=out)
     print(folder)
     for name, secs in medians.items():
         print(f"  {name}: {secs:.3f} s, {secs / medians['meniscus']:.1f} times ours")
 
 
 if __name__ == "__main__":
-    folders = [word for word in sys.argv[1:] if word != "--pov"]
-    if not folders:
+    paths = [os.path.abspath(word) for word in sys.argv[1:] if word != "--pov"]
+    if len(paths) < 2:
         sys.exit(__doc__)
-    for folder in folders:
-        compare(os.path.abspath(folder), "--pov" in sys.argv)
+    for folder in paths[1:]:
+        compare(paths[0], folder, "--pov" in sys.argv)

@@ -11,6 +11,7 @@ use crate::particles::filter::Filter;
 use crate::particles::spacing::{median_spacing_in, point_tree, typical_spacing_in};
 use crate::scene::surface::{Anisotropy, BlobSettings, Weights};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Positions, supports and weights beyond this are dropped: f32 has to hold their squares. Supports and
@@ -19,6 +20,9 @@ pub const LARGEST_COORDINATE: f64 = 1e18;
 
 /// Supports that differ by no more than this factor keep the particles' own tree.
 const SIMILAR_SUPPORTS: f64 = 4.0;
+
+/// Particles that one task handles at least.
+pub(super) const PARALLEL: usize = 1 << 14;
 
 /// A field and what a user should know about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -255,7 +259,8 @@ impl<'a> Build<'a> {
     fn drop_positions(&mut self) -> Result<(), FieldError> {
         let keep: Vec<bool> = self
             .positions()
-            .iter()
+            .par_iter()
+            .with_min_len(PARALLEL)
             .map(|p| p.abs().max_element() <= LARGEST_COORDINATE && p.is_finite())
             .collect();
         self.drop_unless(&keep, "its position is not finite")

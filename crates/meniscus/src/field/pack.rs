@@ -1,6 +1,6 @@
 //! The last step of a build: f32 arrays about a local origin, and the report.
 
-use super::build::Build;
+use super::build::{Build, PARALLEL};
 use super::colors;
 use super::supports::Supports;
 use super::{
@@ -13,8 +13,6 @@ use rayon::prelude::*;
 /// Share of the particles left out at either end of each axis when the origin is chosen, so that a few
 /// that flew far away do not cost the rest their precision.
 const OUTLIERS: f64 = 0.02;
-/// Particles that one task handles at least.
-const PARALLEL: usize = 1 << 14;
 /// At most this many particles decide on the origin.
 const SAMPLES: usize = 1 << 12;
 

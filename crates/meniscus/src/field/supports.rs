@@ -1,11 +1,13 @@
 //! How far each particle reaches: the support rule.
 
+use super::build::PARALLEL;
 use super::{FieldError, SupportSource};
 use crate::math::aabb::DAabb;
 use crate::particles::{Particles, Role};
 use crate::primitive::{Ellipsoid, Shapes};
 use crate::scene::surface::BlobSettings;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Supports in float64, one per particle.
 #[derive(Debug, Clone)]
@@ -46,9 +48,12 @@ impl Supports {
             Self::Balls(radii) => radii[i],
             Self::Ellipsoids(_) => self.determinant(i).powf(-1.0 / 3.0),
         };
-        (0..self.len()).fold((f64::INFINITY, 0.0), |(min, max), i| {
-            (min.min(radius(i)), max.max(radius(i)))
-        })
+        let wider = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+        (0..self.len())
+            .into_par_iter()
+            .with_min_len(PARALLEL)
+            .map(|i| (radius(i), radius(i)))
+            .reduce(|| (f64::INFINITY, 0.0), wider)
     }
 
     pub(super) fn len(&self) -> usize {

@@ -3,6 +3,7 @@
 use super::tone::{Tone, srgb_from_linear};
 use super::{Film, FilmError, write_aside};
 use crate::scene::Background;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Bits per component of a PNG file.
@@ -44,8 +45,40 @@ impl Film {
         let region = self.region();
         let transparent = self.background() == Background::Transparent;
         let components = if transparent { 4 } else { 3 };
-        let mut encoded = Vec::with_capacity(region.pixels() as usize * components);
-        for pixel in 0..region.pixels() as usize {
+        let rows = (0..region.height as usize).into_par_iter();
+        let pixels = match depth {
+            BitDepth::Sixteen => Pixels::Sixteen(
+                rows.flat_map_iter(|row| {
+                    let encoded = self.encoded_row(tone, row).into_iter();
+                    encoded.map(|x| (x * 65535.0).round() as u16)
+                })
+                .collect(),
+            ),
+            BitDepth::Eight => Pixels::Eight(
+                rows.flat_map_iter(|row| {
+                    let y = region.y as usize + row;
+                    let encoded = self.encoded_row(tone, row).into_iter().enumerate();
+                    encoded.map(move |(i, value)| {
+                        let threshold = bayer(region.x as usize + i / components, y);
+                        (value * 255.0 + threshold).floor().min(255.0) as u8
+                    })
+                })
+                .collect(),
+            ),
+        };
+        Image {
+            width: region.width,
+            height: region.height,
+            components,
+            pixels,
+        }
+    }
+
+    /// One row of the region, encoded, components interleaved.
+    fn encoded_row(&self, tone: Tone, row: usize) -> Vec<f32> {
+        let width = self.region().width as usize;
+        let mut encoded = Vec::with_capacity(width * 4);
+        for pixel in row * width..(row + 1) * width {
             let [r, g, b, alpha] = self.rgba(pixel);
             match self.background() {
                 Background::Sky => {
@@ -66,36 +99,7 @@ impl Film {
                 }
             }
         }
-        let pixels = match depth {
-            BitDepth::Sixteen => Pixels::Sixteen(
-                encoded
-                    .iter()
-                    .map(|&x| (x * 65535.0).round() as u16)
-                    .collect(),
-            ),
-            BitDepth::Eight => {
-                let width = region.width as usize;
-                let quantized =
-                    encoded
-                        .chunks_exact(components)
-                        .enumerate()
-                        .flat_map(|(i, pixel)| {
-                            let x = region.x as usize + i % width;
-                            let y = region.y as usize + i / width;
-                            let threshold = bayer(x, y);
-                            pixel.iter().map(move |&value| {
-                                (value * 255.0 + threshold).floor().min(255.0) as u8
-                            })
-                        });
-                Pixels::Eight(quantized.collect())
-            }
-        };
-        Image {
-            width: region.width,
-            height: region.height,
-            components,
-            pixels,
-        }
+        encoded
     }
 }
 

@@ -4,12 +4,15 @@ use super::{Blobs, Frame, Geometry, Sphere};
 use crate::field::BlobField;
 use crate::math::aabb::{Aabb, DAabb};
 use glam::{DAffine3, DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Per axis, the part of the particles that may lie outside on each side of the dense middle.
 const STRAY_FRACTION: f64 = 0.002;
 /// How far the middle is widened on each side, in its own widths, before particles outside it count
 /// as strays.
 const STRAY_REACH: f32 = 0.5;
+/// Particles that one task handles at least.
+const PARALLEL: usize = 1 << 14;
 /// At most about this many particles decide on the middle.
 const SAMPLES: usize = 1 << 16;
 
@@ -78,15 +81,17 @@ fn without_strays(blobs: &Blobs) -> DAabb {
         return DAabb::EMPTY;
     };
     let lone = field.kernel.q_at(f64::from(field.threshold));
-    let kept = (0..field.len()).filter(|&i| middle.contains(field.center(i)));
-    let bounds = kept.fold(Aabb::EMPTY, |bounds, i| {
+    let all = (0..field.len()).into_par_iter().with_min_len(PARALLEL);
+    let kept = all.filter(|&i| middle.contains(field.center(i)));
+    let boxes = kept.map(|i| {
         let reach = surface_distance(field, i, lone);
         let center = field.center(i);
-        bounds.union(Aabb {
+        Aabb {
             min: center - reach,
             max: center + reach,
-        })
+        }
     });
+    let bounds = boxes.reduce(|| Aabb::EMPTY, Aabb::union);
     in_object_space(field, bounds)
 }
 

@@ -25,6 +25,8 @@ struct Cut {
     tile_side: u32,
     /// Side of the blocks of pixels whose rays are traced together; divides `tile_side`.
     block_side: u32,
+    /// Samples of each of its pixels that are traced together.
+    samples: u32,
     /// Whether all rays that are known go together, rather than each at once.
     waits: bool,
 }
@@ -34,13 +36,23 @@ struct Cut {
 const ON_CPU: Cut = Cut {
     tile_side: 16,
     block_side: 4,
+    samples: 1,
     waits: false,
+};
+
+/// The same where pixels have several samples, which lie closer together than pixels, but are spread over
+/// the shutter.
+const ON_CPU_SAMPLED: Cut = Cut {
+    block_side: 2,
+    samples: 4,
+    ..ON_CPU
 };
 
 /// Tiles whose rays keep a device busy and whose buffers stay small.
 const ON_DEVICE: Cut = Cut {
     tile_side: 256,
     block_side: 256,
+    samples: 1,
     waits: true,
 };
 
@@ -61,7 +73,14 @@ impl Backend for CpuBackend {
         state: &RenderState,
         progress: &Progress<'_>,
     ) -> Result<(Film, RenderStats), RenderError> {
-        Job::new((&OnCpu, ON_CPU), frame, camera, settings)?.run_on_threads(state, progress)
+        let comes_in_groups =
+            settings.spp >= ON_CPU_SAMPLED.samples && settings.time_limit.is_none();
+        let cut = if comes_in_groups && !frame.moves() {
+            ON_CPU_SAMPLED
+        } else {
+            ON_CPU
+        };
+        Job::new((&OnCpu, cut), frame, camera, settings)?.run_on_threads(state, progress)
     }
 }
 
@@ -298,9 +317,13 @@ where
                 if left >= region.x + region.width {
                     break;
                 }
-                for sample in samples.clone() {
-                    self.find_first(&mut block, [left, top], sample, scratch)?;
-                    self.add_block(&mut film, &mut block, tile, sample, scratch)?;
+                let groups = samples.start / self.cut.samples..;
+                for first in groups.map(|group| group * self.cut.samples) {
+                    if first >= samples.end {
+                        break;
+                    }
+                    self.find_first(&mut block, [left, top], first, scratch)?;
+                    self.add_block(&mut film, &mut block, tile, &samples, scratch)?;
                 }
             }
         }
@@ -308,38 +331,43 @@ where
         Ok(film)
     }
 
-    /// Traces the eye's rays of one sample of the block at `left`, `top`: always the whole block, as far
-    /// as the picture has it, so that its rays see the same whatever part of it is wanted.
+    /// Traces the eye's rays of the block at `left`, `top` that go together, from sample `first` on: always
+    /// all of them, as far as the picture has them, so that rays see the same whatever part is wanted.
     fn find_first(
         &self,
         block: &mut Block,
         [left, top]: [u32; 2],
-        sample: u32,
+        first: u32,
         scratch: &mut ShadeScratch,
     ) -> Result<(), RenderError> {
         block.starts.clear();
         block.eye.rays.clear();
         let [width, height] = self.camera.size;
-        for y in top..(top + self.cut.block_side).min(height) {
-            for x in left..(left + self.cut.block_side).min(width) {
-                let mut sampler = PixelSampler::new([x, y], sample, self.settings.seed);
-                let position = self
-                    .filter
-                    .film_position([x, y], self.settings.spp, &mut sampler);
-                let secs = self.time_secs([x, y], sample);
-                let ray = self.camera.ray_at(position, secs);
-                let side = self.eye_side;
-                let antialiases = self.settings.integrator.specular_antialiasing;
-                block.eye.rays.push(Ray {
-                    side: side.unwrap_or_else(|| eye_side(self.frame, &self.bounds, ray.origin)),
-                    differential: antialiases.then(|| self.camera.differential_at(position, secs)),
-                    ..ray
-                });
-                block.starts.push(Start {
-                    pixel: [x, y],
-                    position,
-                    sampler,
-                });
+        for sample in first..(first + self.cut.samples).min(self.settings.spp) {
+            for y in top..(top + self.cut.block_side).min(height) {
+                for x in left..(left + self.cut.block_side).min(width) {
+                    let mut sampler = PixelSampler::new([x, y], sample, self.settings.seed);
+                    let position =
+                        self.filter
+                            .film_position([x, y], self.settings.spp, &mut sampler);
+                    let secs = self.time_secs([x, y], sample);
+                    let ray = self.camera.ray_at(position, secs);
+                    let side = self.eye_side;
+                    let antialiases = self.settings.integrator.specular_antialiasing;
+                    block.eye.rays.push(Ray {
+                        side: side
+                            .unwrap_or_else(|| eye_side(self.frame, &self.bounds, ray.origin)),
+                        differential: antialiases
+                            .then(|| self.camera.differential_at(position, secs)),
+                        ..ray
+                    });
+                    block.starts.push(Start {
+                        pixel: [x, y],
+                        sample,
+                        position,
+                        sampler,
+                    });
+                }
             }
         }
         Ok(self
@@ -358,13 +386,13 @@ where
         open + (close - open) * part_of_shutter(pixel, sample, spp, seed)
     }
 
-    /// Adds one sample of the pixels of `block` that lie in the film.
+    /// Adds what is wanted of `block`: `samples` of the pixels that lie in the film.
     fn add_block(
         &self,
         film: &mut Film,
         block: &mut Block,
         tile: &mut Tile,
-        sample: u32,
+        samples: &Range<u32>,
         scratch: &mut ShadeScratch,
     ) -> Result<(), RenderError> {
         let Tile { region, noise } = tile;
@@ -387,13 +415,16 @@ where
                 surface: self.surface_sample(seen, time_secs),
                 attributes,
             };
-            film.add(x, y, sample, offset, &sample_seen);
+            film.add(x, y, start.sample, offset, &sample_seen);
             if self.settings.noise.is_some() {
                 let luminance = luminance(Vec3::from_array(seen.radiance));
                 noise.add(pixel, luminance);
             }
         };
-        let is_wanted = |start: &Start| region.index(start.pixel[0], start.pixel[1]).is_some();
+        let is_wanted = |start: &Start| {
+            samples.contains(&start.sample)
+                && region.index(start.pixel[0], start.pixel[1]).is_some()
+        };
         if self.cut.waits {
             let wanted = starts.iter().enumerate();
             let wanted = wanted.filter(|(_, start)| is_wanted(start));
@@ -460,11 +491,12 @@ where
 /// A sample of a pixel before it is traced.
 struct Start {
     pixel: [u32; 2],
+    sample: u32,
     position: [f64; 2],
     sampler: PixelSampler,
 }
 
-/// One sample of the pixels of a block; buffers that are reused.
+/// Samples of the pixels of a block that go together; buffers that are reused.
 #[derive(Default)]
 struct Block {
     starts: Vec<Start>,

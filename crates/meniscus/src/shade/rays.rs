@@ -64,7 +64,7 @@ pub struct Seen {
     pub row: Option<u32>,
 }
 
-/// Rays of the eye that are traced together: one sample of neighbouring pixels.
+/// Rays of the eye that are traced together: samples of neighbouring pixels.
 ///
 /// What one of them finds may depend on the others in its last bits. So that pictures do not depend
 /// on regions, tiles or threads, the same rays always have to go together.

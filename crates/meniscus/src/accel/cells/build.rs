@@ -217,13 +217,17 @@ pub(super) struct Built {
     pub(super) deep: Vec<CoarseBox>,
 }
 
-/// Builds one subtree; keeps a list buffer per depth.
+/// Builds one subtree; keeps list buffers per depth.
 pub(super) struct Builder<'a, K, P> {
     context: &'a BuildContext,
     leave_deep: bool,
     blocks: Vec<Block>,
     deep: Vec<CoarseBox>,
-    buffers: Vec<BlobList>,
+    #[allow(
+        clippy::vec_box,
+        reason = "lists are large to move in and out of the vector"
+    )]
+    buffers: Vec<Box<[BlobList; 2]>>,
     leaf_buffer: BlobList,
     formula: std::marker::PhantomData<(K, P)>,
 }
@@ -287,7 +291,7 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
         let close = is_close::<P>(list, &cell);
         let axis = longest_axis(cell.middle().size());
         let parts = cell.parted(axis, drift::<P>(list, &cell, axis));
-        let mut lists = [(); 2].map(|()| self.buffers.pop().unwrap_or_default());
+        let mut lists = self.buffers.pop().unwrap_or_default();
         let bounds = [0, 1].map(|i| {
             let place = parts[i].padded(self.context.pad);
             filter::<S, K, P>(simd, list, &place, close, &mut lists[i])
@@ -299,7 +303,7 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
                 children[i] = self.subtree(simd, parts[i], &mut lists[i], stalled, depth + 1);
             }
         }
-        self.buffers.extend(lists);
+        self.buffers.push(lists);
         match children {
             [Some(low), Some(high)] => Some(BinaryNode::joined(axis, low, high)),
             [one, other] => one.or(other),

@@ -58,11 +58,12 @@ pub struct Cells {
 /// Up to this way of the blobs rays are traced together, in spacings.
 const MOST_WAY_SPACINGS: f32 = 2.0;
 
-/// A cell whose inside is made when the first ray comes.
+/// A cell whose inside is made when the first ray comes. What rays read is one cache line.
 #[derive(Debug)]
+#[repr(C, align(64))]
 struct CoarseCell {
+    part: OnceLock<Option<Part>>,
     place: CoarseBox,
-    part: OnceLock<Option<Box<Part>>>,
 }
 
 impl CoarseCell {
@@ -79,10 +80,9 @@ impl CoarseCell {
         let Some(Some(part)) = self.part.get() else {
             return 0;
         };
-        size_of::<Part>()
-            + part.nodes.capacity() * size_of::<Node>()
-            + part.blocks.capacity() * size_of::<Block>()
-            + part.deep.capacity() * size_of::<Self>()
+        size_of_val(&*part.nodes)
+            + size_of_val(&*part.blocks)
+            + size_of_val(&*part.deep)
             + part.deep.iter().map(Self::refined_bytes).sum::<usize>()
     }
 }
@@ -91,11 +91,11 @@ impl CoarseCell {
 #[derive(Debug)]
 pub struct Part {
     /// Eight-wide nodes, root first. Leaf references are indices of header blocks.
-    pub nodes: Vec<Node>,
+    pub nodes: Box<[Node]>,
     /// Leaves; see [`layout`].
-    pub blocks: Vec<Block>,
+    pub blocks: Box<[Block]>,
     /// Cells that probably are solid, so that few rays come there.
-    deep: Vec<CoarseCell>,
+    deep: Box<[CoarseCell]>,
 }
 
 impl Cells {
@@ -167,8 +167,8 @@ impl Cells {
         within: Option<&'a Part>,
         index: u32,
     ) -> Option<&'a Part> {
-        let cells = within.map_or(&self.coarse, |part| &part.deep);
-        let CoarseCell { place, part } = &cells[index as usize];
+        let cells = within.map_or(&*self.coarse, |part| &part.deep);
+        let CoarseCell { part, place } = &cells[index as usize];
         let part = match part.get() {
             Some(part) => part,
             None => part.get_or_init(
@@ -176,7 +176,7 @@ impl Cells {
                 || self.refined::<S, K, P>(simd, field, place, within.is_none()),
             ),
         };
-        part.as_deref()
+        part.as_ref()
     }
 
     /// Refines a cell; `leave_deep` puts off what lies deep inside once more.
@@ -187,7 +187,7 @@ impl Cells {
         field: &BlobField,
         place: &CoarseBox,
         leave_deep: bool,
-    ) -> Option<Box<Part>> {
+    ) -> Option<Part> {
         let start = Instant::now();
         let CoarseBox { place, depth } = *place;
         let BuildContext { pad, stored, .. } = self.context;
@@ -200,13 +200,13 @@ impl Cells {
             list = reaching;
         }
         let builder = Builder::<K, P>::new(&self.context, leave_deep);
-        let part = builder.build(simd, place, &mut list, depth).map(|built| {
-            Box::new(Part {
-                nodes: collapse::collapse(&built.root, 0.5 * pad, stored.moves()),
-                blocks: built.blocks,
-                deep: CoarseCell::all(built.deep),
-            })
-        });
+        let part = builder
+            .build(simd, place, &mut list, depth)
+            .map(|built| Part {
+                nodes: collapse::collapse(&built.root, 0.5 * pad, stored.moves()).into(),
+                blocks: built.blocks.into(),
+                deep: CoarseCell::all(built.deep).into(),
+            });
         let nanos = start.elapsed().as_nanos() as u64;
         self.refinement_nanos.fetch_add(nanos, Ordering::Relaxed);
         part

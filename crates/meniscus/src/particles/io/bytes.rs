@@ -5,6 +5,9 @@ use crate::particles::{Column, ColumnData, Particles};
 use glam::DVec3;
 use rayon::prelude::*;
 
+/// Numbers that one thread decodes at least.
+pub(super) const PARALLEL: usize = 1 << 14;
+
 /// The number types that files store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scalar {
@@ -105,6 +108,11 @@ impl Scalar {
                 Endian::Little => T::from_le_bytes,
                 Endian::Big => T::from_be_bytes,
             };
+            if stride == components * SIZE {
+                let (numbers, _) = records.as_chunks::<SIZE>();
+                let all = numbers.par_iter().with_min_len(PARALLEL);
+                return all.map(|&number| decode(number)).collect::<Vec<_>>().into();
+            }
             let mut values = Vec::with_capacity(records.len() / stride * components);
             for record in records.chunks_exact(stride) {
                 let field = &record[offset..offset + components * SIZE];

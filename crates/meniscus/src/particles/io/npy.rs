@@ -2,12 +2,13 @@
 
 pub(super) mod array;
 
-use super::bytes::assemble;
+use super::bytes::{PARALLEL, assemble};
 use super::table::position_columns;
 use super::{ParseError, Parsed, Place};
 use crate::particles::{Column, ColumnData};
 use array::Array;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Names of an array or field that holds whole positions, most telling first.
 pub(super) const POSITION_NAMES: [&str; 11] = [
@@ -96,6 +97,8 @@ fn split_table(
 /// Positions from the first three components of a column.
 fn positions_of(column: &Column) -> Vec<DVec3> {
     (0..column.rows())
+        .into_par_iter()
+        .with_min_len(PARALLEL)
         .map(|row| DVec3::new(column.get(row, 0), column.get(row, 1), column.get(row, 2)))
         .collect()
 }
