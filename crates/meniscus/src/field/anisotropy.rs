@@ -39,9 +39,9 @@ const FILLED: f64 = 0.15;
 const FEW: [f64; 2] = [2.0, 6.0];
 
 /// Particles that share a list of neighbours, at most.
-const GROUP: usize = 2 * LANES;
+const GROUP: usize = 4 * LANES;
 /// Groups per task.
-const GROUPS: usize = 16;
+const GROUPS: usize = 8;
 /// A group whose box is longer than this many times the reach falls apart.
 const LONGEST: f64 = 2.0;
 /// Particles per task where there is little to do.

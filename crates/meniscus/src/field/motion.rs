@@ -89,6 +89,23 @@ impl MotionBoxes {
         curve: [Aabb::EMPTY; 3],
     };
 
+    /// What stays where it is.
+    pub fn still(bounds: Aabb) -> Self {
+        Self {
+            ends: [bounds; 2],
+            curve: [bounds; 3],
+        }
+    }
+
+    /// Grown by `margin` on every side.
+    #[must_use]
+    pub fn padded(self, margin: f32) -> Self {
+        Self {
+            ends: self.ends.map(|bounds| bounds.padded(margin)),
+            curve: self.curve.map(|bounds| bounds.padded(margin)),
+        }
+    }
+
     /// What holds both.
     #[must_use]
     pub fn union(mut self, other: Self) -> Self {
@@ -151,11 +168,7 @@ impl BlobField {
     /// Boxes around the support of blob `i` that move with it.
     pub fn motion_boxes(&self, i: usize) -> MotionBoxes {
         let Some(motion) = &self.motion else {
-            let still = self.support_box(i);
-            return MotionBoxes {
-                ends: [still; 2],
-                curve: [still; 3],
-            };
+            return MotionBoxes::still(self.support_box(i));
         };
         let half = motion.half_extents(i, &self.shapes);
         let bend = motion.rates(i)[1] * motion.half_shutter_secs().powi(2);

@@ -10,7 +10,7 @@ use crate::frame::{Frame, Geometry};
 use crate::intersect::{BlobTracer, Hit, OnCpu};
 use crate::math::aabb::DAabb;
 use crate::math::ray::{Ray, Side};
-use crate::math::sampling::{PixelFilter, PixelSampler, part_of_shutter};
+use crate::math::sampling::{PixelFilter, PixelSampler, TIME_BLOCK, part_of_shutter};
 use crate::scene::camera::Camera;
 use crate::shade::{EyeRays, Seen, ShadeScratch, ShadeSettings, Shader, Unstaged};
 use glam::{DVec3, Vec3};
@@ -36,7 +36,7 @@ struct Cut {
 /// threads busy to the end; blocks of rays that lie close together.
 const ON_CPU: Cut = Cut {
     tile_side: 16,
-    block_side: 4,
+    block_side: TIME_BLOCK,
     samples: 1,
     waits: false,
 };

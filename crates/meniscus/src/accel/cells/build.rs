@@ -223,7 +223,10 @@ pub(super) struct Builder<'a, K, P> {
     leave_deep: bool,
     blocks: Vec<Block>,
     deep: Vec<CoarseBox>,
-    /// Boxed, because lists are large to move.
+    #[allow(
+        clippy::vec_box,
+        reason = "lists are large to move in and out of the vector"
+    )]
     buffers: Vec<Box<[BlobList; 2]>>,
     leaf_buffer: BlobList,
     formula: std::marker::PhantomData<(K, P)>,

@@ -77,6 +77,8 @@ impl<'a> Curve<'a> {
 }
 
 impl Split for Curve<'_> {
+    const BOTTOM_BLOBS: usize = 96;
+
     type Item = Item;
 
     fn split(&self, items: &mut [Item]) -> usize {

@@ -118,11 +118,18 @@ pub(super) fn fit_leaf<P: Primitive>(
     let (indices, rates) = rest.split_at_mut(1);
     let indices = &indices[0].0[..count];
     let index = |slot: usize| indices[slot].to_bits() as usize;
-    let mut boxes = (0..count)
-        .map(|slot| field.motion_boxes(index(slot)))
-        .fold(MotionBoxes::EMPTY, MotionBoxes::union);
-    boxes.ends = boxes.ends.map(|bounds| bounds.padded(measures.pad));
-    boxes.curve = boxes.curve.map(|bounds| bounds.padded(measures.pad));
+    let blobs = (0..count).map(index);
+    let boxes = match &field.motion {
+        None => {
+            let boxes = blobs.map(|i| field.support_box(i));
+            MotionBoxes::still(boxes.fold(Aabb::EMPTY, Aabb::union))
+        }
+        Some(_) => {
+            let boxes = blobs.map(|i| field.motion_boxes(i));
+            boxes.fold(MotionBoxes::EMPTY, MotionBoxes::union)
+        }
+    };
+    let boxes = boxes.padded(measures.pad);
     let bounds = boxes.ends[0].union(boxes.ends[1]);
     let middle = field
         .motion

@@ -1,7 +1,6 @@
 //! Walks the tree front to back. What is still to be visited stands sorted by where the ray enters it,
 //! so nothing that is not yet visited reaches the ray before the frontier.
 
-use super::layout::Faces;
 use super::{Elapsed, MovingFaces, ParticleTree};
 use crate::accel::cells::layout::LEAF;
 use crate::accel::cells::traverse::SlabRay;
@@ -90,6 +89,13 @@ impl Frontier {
         None
     }
 
+    /// What is nearest now, if it is a leaf.
+    #[inline(always)]
+    pub fn next_leaf(&self) -> Option<u32> {
+        let reference = *self.entries.last()? as u32;
+        (reference & LEAF != 0).then_some(reference & !LEAF)
+    }
+
     #[inline(always)]
     fn open<S: Simd>(
         &mut self,
@@ -141,7 +147,17 @@ impl Frontier {
 /// One of the six faces of a node's children at the ray's time.
 #[inline(always)]
 fn faces_at<S: Simd>(simd: S, faces: &MovingFaces<'_>, ray: &Slabs<S>, row: usize) -> f32x8<S> {
-    let lanes = |faces: &Faces| f32x8::from_slice(simd, &faces[row]);
-    let (open, close) = (lanes(faces.open), faces.close.map(lanes));
-    ray.elapsed.face(open, close, faces.bulge.map(lanes))
+    let open = f32x8::from_slice(simd, &faces.open[row]);
+    let Some(close) = faces.close else {
+        return open;
+    };
+    let straight = ray
+        .elapsed
+        .straight(open, f32x8::from_slice(simd, &close[row]));
+    match faces.bulge {
+        None => straight,
+        Some(bulge) => ray
+            .elapsed
+            .bent(straight, f32x8::from_slice(simd, &bulge[row])),
+    }
 }

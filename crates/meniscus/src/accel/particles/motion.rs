@@ -127,17 +127,16 @@ impl<N: Number> Elapsed<N> {
         }
     }
 
-    /// A face between where it is when the shutter opens and when it closes.
+    /// A face on the straight way between where it is when the shutter opens and when it closes.
     #[inline(always)]
-    pub fn face(&self, open: N, close: Option<N>, bulge: Option<N>) -> N {
-        let Some(close) = close else {
-            return open;
-        };
-        let straight = Number::mul_add(close - open, self.part, open);
-        match bulge {
-            None => straight,
-            Some(bulge) => Number::mul_add(bulge, self.bent, straight),
-        }
+    pub fn straight(&self, open: N, close: N) -> N {
+        Number::mul_add(close - open, self.part, open)
+    }
+
+    /// The same on a curve that bulges out from there.
+    #[inline(always)]
+    pub fn bent(&self, straight: N, bulge: N) -> N {
+        Number::mul_add(bulge, self.bent, straight)
     }
 }
 

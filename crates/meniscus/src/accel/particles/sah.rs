@@ -1,9 +1,13 @@
 //! The surface area heuristic with bins along the widest axis (Wald 2007): slower to build than along a
 //! curve, faster to trace.
 
-use super::topology::Split;
+use super::topology::{LEAF_BLOBS, Split};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
+
+/// Shorter ranges are parted so that all leaves but one are full: a leaf is read as a whole, whatever it
+/// holds.
+const FULL_LEAVES: usize = 8 * LEAF_BLOBS;
 
 /// Candidate planes, plus one.
 const BINS: usize = 16;
@@ -161,13 +165,59 @@ fn cheapest_plane(bins: &Bins) -> usize {
     best.1
 }
 
+/// Parts a few items where the lower ones fill whole leaves and the boxes cost least.
+fn into_full_leaves(items: &mut [Item]) -> usize {
+    let (low, high) = items
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), item| {
+            (low.min(item.place()), high.max(item.place()))
+        });
+    let extent = high - low;
+    let widest = |best: usize, axis: usize| {
+        if extent[axis] > extent[best] {
+            axis
+        } else {
+            best
+        }
+    };
+    let axis = (1..3).fold(0, widest);
+    items.sort_unstable_by(|a, b| {
+        let order = a.place()[axis].total_cmp(&b.place()[axis]);
+        order.then(a.index().cmp(&b.index()))
+    });
+    let mut parts = [Bin::EMPTY; FULL_LEAVES / LEAF_BLOBS];
+    let mut leaves = 0;
+    for (part, items) in parts.iter_mut().zip(items.chunks(LEAF_BLOBS)) {
+        for item in items {
+            part.min = part.min.min(item.min);
+            part.max = part.max.max(item.max);
+        }
+        part.count = 1;
+        leaves += 1;
+    }
+    let joined = |parts: &[Bin]| parts.iter().fold(Bin::EMPTY, |all, part| all.union(part));
+    let mut best = (f32::INFINITY, 1);
+    for first in 1..leaves {
+        let cost = joined(&parts[..first]).cost() + joined(&parts[first..leaves]).cost();
+        if cost < best.0 {
+            best = (cost, first);
+        }
+    }
+    best.1 * LEAF_BLOBS
+}
+
 /// The builder.
 pub(super) struct Sah;
 
 impl Split for Sah {
+    const BOTTOM_BLOBS: usize = FULL_LEAVES;
+
     type Item = Item;
 
     fn split(&self, items: &mut [Item]) -> usize {
+        if items.len() <= FULL_LEAVES {
+            return into_full_leaves(items);
+        }
         let Some(grid) = Grid::of(items) else {
             // All at one place.
             return items.len() / 2;

@@ -194,6 +194,16 @@ fn exact_box(field: &BlobField, i: usize, secs: f64) -> [DVec3; 2] {
     [at.center(i) - half, at.center(i) + half]
 }
 
+/// A face at a time, in f32 as rays find it.
+fn face_at(faces: &MovingFaces<'_>, elapsed: &Elapsed<f32>, row: usize, slot: usize) -> f32 {
+    let close = faces.close.expect("blobs move")[row][slot];
+    let straight = elapsed.straight(faces.open[row][slot], close);
+    match faces.bulge {
+        None => straight,
+        Some(bulge) => elapsed.bent(straight, bulge[row][slot]),
+    }
+}
+
 /// Every blob lies within the boxes of all nodes above it at a time, interpolated in f32 as rays do.
 fn check_at(tree: &ParticleTree, field: &BlobField, secs: f64) {
     let [open, close] = tree.shutter_secs;
@@ -214,10 +224,7 @@ fn check_at(tree: &ParticleTree, field: &BlobField, secs: f64) {
             let faces = tree.faces(reference as usize);
             for slot in 0..8 {
                 let child = tree.nodes[reference as usize].children[slot];
-                let face = |row: usize| {
-                    let at = |faces: &Faces| faces[row][slot];
-                    elapsed.face(at(faces.open), faces.close.map(at), faces.bulge.map(at))
-                };
+                let face = |row: usize| face_at(&faces, &elapsed, row, slot);
                 let corner = |first: usize| {
                     DVec3::from_array([0, 1, 2].map(|axis| f64::from(face(first + axis))))
                 };
@@ -298,10 +305,8 @@ fn straightened_boxes_hold_curves() {
             let part = step as f32 / 16.0;
             let elapsed = Elapsed::new(part, 1.0 - part);
             for (row, slot) in (0..6).flat_map(|row| (0..8).map(move |slot| (row, slot))) {
-                let at = |faces: &Faces| faces[row][slot];
-                let exact =
-                    elapsed.face(at(curved.open), curved.close.map(at), curved.bulge.map(at));
-                let straight = elapsed.face(at(&open), Some(at(&close)), None);
+                let exact = face_at(&curved, &elapsed, row, slot);
+                let straight = elapsed.straight(open[row][slot], close[row][slot]);
                 let margin = 1e-5 * (1.0 + exact.abs());
                 let outside = if row < 3 {
                     exact - straight

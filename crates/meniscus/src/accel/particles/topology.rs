@@ -9,15 +9,15 @@ use std::ops::Range;
 /// Particles per leaf at most: one chunk.
 pub(super) const LEAF_BLOBS: usize = LANES;
 
-/// Ranges of at most this many particles become one node of leaves, which are then well filled.
-const BOTTOM_BLOBS: usize = 96;
-
 /// Longer ranges are built on several threads. Fixed, so that the tree does not depend on the number
 /// of threads.
 const PARALLEL: usize = 1 << 13;
 
 /// How a builder parts particles.
 pub(super) trait Split: Sync {
+    /// Ranges of at most this many particles become one node of leaves, which are then well filled.
+    const BOTTOM_BLOBS: usize;
+
     /// What stands for a particle while the tree is built.
     type Item: Copy + Send + Sync;
 
@@ -114,8 +114,8 @@ fn groups_of<'a, S: Split>(splitter: &S, items: &'a mut [S::Item]) -> Vec<&'a mu
     if items.len() > PARALLEL {
         return eighths(splitter, items, 3);
     }
-    let enough = if items.len() > BOTTOM_BLOBS {
-        BOTTOM_BLOBS
+    let enough = if items.len() > S::BOTTOM_BLOBS {
+        S::BOTTOM_BLOBS
     } else {
         LEAF_BLOBS
     };
@@ -140,7 +140,7 @@ fn eighths<'a, S: Split>(
     items: &'a mut [S::Item],
     levels: u32,
 ) -> Vec<&'a mut [S::Item]> {
-    if levels == 0 || items.len() <= BOTTOM_BLOBS {
+    if levels == 0 || items.len() <= S::BOTTOM_BLOBS {
         return vec![items];
     }
     let middle = splitter.split(items);

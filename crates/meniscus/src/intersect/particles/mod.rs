@@ -35,6 +35,9 @@ const SHORTEST_STRETCH: f32 = 0.35;
 /// a large blob among small ones would be walked through in their steps.
 const QUIET_STRETCHES: u32 = 4;
 
+/// Of a leaf that comes next every so many blocks are read ahead; processors fetch what lies between.
+const AHEAD: usize = 4;
+
 /// Buffers of one thread.
 #[derive(Debug, Default)]
 pub struct ParticlesScratch {
@@ -43,6 +46,8 @@ pub struct ParticlesScratch {
     active: Active,
     pending: Pending,
     near_hit: NearHit,
+    /// Of what was read ahead, so that it is read.
+    ahead: u32,
     /// Leaves with blobs too small for f32 visited so far.
     pub(super) fine_leaves: u64,
 }
@@ -150,6 +155,7 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
         active,
         pending,
         fine_leaves,
+        ahead,
         ..
     } = &mut scratch.particles;
     let counters = &mut scratch.counters;
@@ -192,6 +198,13 @@ fn find_behind_frontier<S: Simd, K: KernelShape, P: Primitive, V: FirstCrossing>
                 continue;
             };
             counters.leaves += 1;
+            if let Some(next) = frontier.next_leaf() {
+                // Read ahead: it is on its way from memory while this one is looked at.
+                let next = &tree.blocks[next as usize * per_leaf..][..per_leaf];
+                for block in next.iter().step_by(AHEAD) {
+                    *ahead ^= block.0[0].to_bits();
+                }
+            }
             let first = leaf as usize * per_leaf;
             let header = LeafHeader::from_block(&tree.blocks[first]);
             counters.blob_evaluations += header.count as u64;
