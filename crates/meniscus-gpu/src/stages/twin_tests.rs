@@ -72,7 +72,6 @@ fn probe(@builtin(global_invocation_id) id: vec3u) {
 ";
 
 /// A device, unless there is none, which is said.
-#[expect(clippy::print_stderr, reason = "tests say what they skip")]
 fn device(test: &str) -> Option<Device> {
     let options = OpenOptions {
         choice: AdapterChoice::CardOrSoftware,
