@@ -37,7 +37,8 @@ pub(crate) struct FrameStats {
     pub build_secs: f64,
     /// Tracing and shading.
     pub render_secs: f64,
-    /// Time of the graphics card by its own clock; null where none worked or it keeps none.
+    /// Time of the graphics card by its own clock; left out where none worked or it keeps none.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub device_secs: Option<f64>,
     /// Developing and writing.
     pub write_secs: f64,
