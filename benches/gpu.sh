@@ -129,7 +129,7 @@ import json, re, sys
 gpu, cpu = [json.load(open(f"{sys.argv[1]}-{device}.json")) for device in ("gpu", "cpu")]
 log = open(sys.argv[1] + "-gpu.log").read()
 redone = re.search(r"shaded on the card, (\d+) of them", log) or re.search(r"(shaded by the processor.*)", log)
-own = gpu["device_secs"] or float("nan")
+own = gpu.get("device_secs") or float("nan")
 print(f"| {sys.argv[2]} | {sys.argv[3].replace(':', ', ')} | {1e3 * own:.2f} | {1 / own:.1f} "
       f"| {gpu['render_secs']:.3f} | {cpu['render_secs']:.3f} | {redone.group(1)} |")
 P
