@@ -29,9 +29,10 @@ fn ggx_sample(width: f32, view: vec3f, u: vec2f) -> vec3f {
     }
     let second = cross(stretched, first);
     let radius = sqrt(u.x);
-    let x = radius * cos(TAU * u.y);
+    let turn = cos_sin(TAU * u.y);
+    let x = radius * turn.x;
     let s = 0.5 * (1.0 + stretched.z);
-    let y = (1.0 - s) * sqrt(max(1.0 - x * x, 0.0)) + s * radius * sin(TAU * u.y);
+    let y = (1.0 - s) * sqrt(max(1.0 - x * x, 0.0)) + s * radius * turn.y;
     let z = sqrt(max(1.0 - x * x - y * y, 0.0));
     let half = first * x + second * y + stretched * z;
     return normalize(vec3f(width * half.xy, max(half.z, 1e-12)));

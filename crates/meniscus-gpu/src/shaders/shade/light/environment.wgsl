@@ -6,7 +6,9 @@ fn image_place(emitter: Emitter, direction: vec3f) -> vec2f {
     let right = dot(emitter.first, direction);
     let up = dot(emitter.second, direction);
     let forward = dot(emitter.third, direction);
-    return vec2f(0.5 + atan2(right, forward) / TAU, acos(clamp(up, -1.0, 1.0)) / PI);
+    let cosine = clamp(up, -1.0, 1.0);
+    let from_zenith = arc_tan2(sqrt((1.0 - cosine) * (1.0 + cosine)), cosine);
+    return vec2f(0.5 + arc_tan2(right, forward) / TAU, from_zenith / PI);
 }
 
 fn image_texel(emitter: Emitter, column: i32, row: i32) -> vec4f {
@@ -46,7 +48,7 @@ fn columns_before(emitter: Emitter, row: u32, column: u32) -> f32 {
 
 // cos at the upper edge of a row.
 fn row_top(emitter: Emitter, row: u32) -> f32 {
-    return cos(PI * f32(row) / emitter.b);
+    return cos_sin(PI * f32(row) / emitter.b).x;
 }
 
 // Solid angle of a texel.
@@ -54,7 +56,7 @@ fn texel_solid(emitter: Emitter, row: u32) -> f32 {
     // cos a − cos b without loss of digits next to the poles.
     let middle = PI * (f32(row) + 0.5) / emitter.b;
     let half = 0.5 * PI / emitter.b;
-    return 2.0 * sin(middle) * sin(half) * TAU / emitter.a;
+    return 2.0 * cos_sin(middle).y * cos_sin(half).y * TAU / emitter.a;
 }
 
 fn image_density(emitter: Emitter, direction: vec3f) -> f32 {
@@ -101,7 +103,8 @@ fn image_sample(emitter: Emitter, u: vec2f) -> LightSample {
     let cosine = top + (row_top(emitter, row + 1u) - top) * through.y;
     let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
     let azimuth = ((f32(column) + through.x) / emitter.a - 0.5) * TAU;
-    let around = emitter.first * sin(azimuth) + emitter.third * cos(azimuth);
+    let turn = cos_sin(azimuth);
+    let around = emitter.first * turn.y + emitter.third * turn.x;
     let towards = normalize(around * sine + emitter.second * cosine);
     let density = parts.x * parts.y / texel_solid(emitter, row);
     return LightSample(towards, FAR, image_radiance(emitter, towards) / density, density, true);
