@@ -1,4 +1,4 @@
-// A picture and its frame's looks, as the library packs them: twin of shade/stages.rs and
+// A picture and its frame's looks, as the library packs them: twin of shade/stages/ and
 // render/stages.rs.
 
 struct Picture {

@@ -35,3 +35,27 @@ fn is_in_doubt(index: u32) -> bool {
     let at = lights_at() + index;
     return first || ((questions[at].flags & IS_ASKED) != 0u && answers[at].is_in_doubt != 0u);
 }
+
+// Whether an integrator has something to do for a sample: it is under way, and its answers are sure.
+fn goes_on(index: u32) -> bool {
+    if index >= picture.count || states[index].phase == DONE {
+        return false;
+    }
+    if is_in_doubt(index) {
+        finish_in_doubt(index);
+        return false;
+    }
+    return true;
+}
+
+// The same where light from a first surface is all that counts: without one the sample ends.
+fn has_surface(index: u32) -> bool {
+    if !goes_on(index) {
+        return false;
+    }
+    if answers[index].surface == NONE {
+        finish_without_surface(index, behind(questions[index].direction), OUTCOME_NOTHING);
+        return false;
+    }
+    return true;
+}

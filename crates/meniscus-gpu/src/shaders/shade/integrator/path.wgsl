@@ -241,11 +241,7 @@ fn shade(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let index = number_of(group, groups, lane);
-    if index >= picture.count || states[index].phase == DONE {
-        return;
-    }
-    if is_in_doubt(index) {
-        finish_in_doubt(index);
+    if !goes_on(index) {
         return;
     }
     var state = states[index];
@@ -254,8 +250,8 @@ fn shade(
     let is_waiting = (questions[index].flags & (IS_ASKED | IS_ANSWERED)) != 0u;
     if is_heard && is_waiting && !has(state, IN_DOUBT) {
         questions[index].flags &= ~(IS_ASKED | IS_ANSWERED);
-        let goes_on = advance(index, &state);
-        if !goes_on {
+        let is_alive = advance(index, &state);
+        if !is_alive {
             questions[index].flags = 0u;
         }
     } else if is_waiting {

@@ -30,19 +30,11 @@ fn shade(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let index = number_of(group, groups, lane);
-    if index >= picture.count || states[index].phase == DONE {
-        return;
-    }
-    if is_in_doubt(index) {
-        finish_in_doubt(index);
+    if !has_surface(index) {
         return;
     }
     let hit = answers[index];
     let direction = questions[index].direction;
-    if hit.surface == NONE {
-        finish_without_surface(index, behind(direction), OUTCOME_NOTHING);
-        return;
-    }
     let material = material_of(hit.surface);
     let towards_eye = -direction;
     let normal = hit.normal;

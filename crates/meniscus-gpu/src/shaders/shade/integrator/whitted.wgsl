@@ -247,11 +247,7 @@ fn shade(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let index = number_of(group, groups, lane);
-    if index >= picture.count || states[index].phase == DONE {
-        return;
-    }
-    if is_in_doubt(index) {
-        finish_in_doubt(index);
+    if !goes_on(index) {
         return;
     }
     var state = states[index];

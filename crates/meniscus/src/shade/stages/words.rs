@@ -1,69 +1,14 @@
-//! What a shader knows, packed for a device whose own stages shade: flat words that both sides read.
+//! Looks and lights in flat words that both sides read.
 //!
 //! What each word holds stands here, beside the code that writes it; the device's twin is
 //! `shaders/frame/looks.wgsl` of `meniscus-gpu`. Numbers that count or choose are written as floats.
 
-use super::Shader;
-use super::bsdf::AlbedoTable;
-use super::integrator::Gathered;
-use super::light::{Emitter, Sky};
-use super::rays::{Seen, ShadeScratch};
-use super::world::Prepared;
-use crate::frame::{BaseColor, Frame, Geometry, Instance, Light, Material};
-use crate::intersect::Hit;
-use crate::scene::{Background, IntegratorKind, IntegratorSettings};
-use glam::{DMat3, DVec3, Vec3};
-use thiserror::Error;
-
-/// Why the processor has to shade a picture whose rays a device traces: the whole list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum Unstaged {
-    /// A triangle mesh.
-    #[error("there are meshes")]
-    Mesh,
-    /// Planes that cut.
-    #[error("surfaces are cut open")]
-    Cuts,
-    /// Blobs or spheres that an instance turns or stretches.
-    #[error("instances turn or stretch surfaces")]
-    Turned,
-    /// An instance that moves while the shutter is open.
-    #[error("instances move while the shutter is open")]
-    MovingInstance,
-    /// Media that may be others at other times.
-    #[error("clear surfaces move while the shutter is open")]
-    MovingMedia,
-    /// Blobs that turn while the shutter is open.
-    #[error("particles turn while the shutter is open")]
-    TurningBlobs,
-    /// A camera that moves while the shutter is open.
-    #[error("the camera moves while the shutter is open")]
-    MovingCamera,
-    /// An eye from which all is at one distance.
-    #[error("the camera is more than a thousand times as far away as the scene is large")]
-    FarEye,
-    /// Looks that vary over a surface.
-    #[error("particles' attributes colour surfaces")]
-    Attributes,
-    /// Wider highlights.
-    #[error("specular_antialiasing is on")]
-    SpecularAntialiasing,
-    /// More surfaces than a device's stack of media can name.
-    #[error("there are more than {MOST_SURFACES} surfaces")]
-    ManySurfaces,
-    /// No particles: there is nothing for a device.
-    #[error("there are no particles")]
-    NoBlobs,
-    /// The device has no room for them, or binds too few buffers.
-    #[error("the card has no room for more")]
-    Room,
-    /// The device traces by a method of its own.
-    #[error("its engine traces rays alone")]
-    Engine,
-}
-
-/// Most surfaces of a frame that stages shade: a stack of media names them by four bits.
-pub const MOST_SURFACES: usize = 14;
+use super::{Shader, Unstaged};
+use crate::frame::{BaseColor, Frame, Geometry, Instance, Material};
+use crate::shade::bsdf::{self, AlbedoTable};
+use crate::shade::light::{Emitter, Sky};
+use crate::shade::world::Prepared;
+use glam::{DVec3, Vec3};
 
 /// Words whose numbers floats still tell apart.
 const MOST_WORDS: u32 = 1 << 24;
@@ -76,58 +21,10 @@ pub const MATERIAL_WORDS: u32 = 5;
 /// Words per light.
 pub const EMITTER_WORDS: u32 = 5;
 /// Entries along each side of a table of what rough surfaces reflect.
-pub const ALBEDO_ENTRIES: u32 = super::bsdf::ALBEDO_ENTRIES as u32;
+pub const ALBEDO_ENTRIES: u32 = bsdf::ALBEDO_ENTRIES as u32;
 /// Words of the light from all around: a constant; a sky's polynomial (4); spherical harmonics (9); the
 /// default sky's horizon, zenith, nadir.
 pub const AMBIENT_WORDS: u32 = 17;
-
-/// A blob surface of the frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StagedField {
-    /// Its instance.
-    pub surface: u32,
-    /// Its geometry.
-    pub geometry: u32,
-    /// Where the field's origin lies, relative to [`StagedShading::origin`].
-    pub offset: DVec3,
-}
-
-/// A frame's looks and lights, as stages read them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StagedShading {
-    /// World point that all positions are relative to.
-    pub origin: DVec3,
-    /// Surfaces, materials, lights, tables.
-    pub words: Vec<[f32; 4]>,
-    /// Word of the first surface, material, light, of the light from all around, and of the table of what
-    /// rough metals keep.
-    pub places: [u32; 5],
-    /// Surfaces and lights.
-    pub counts: [u32; 2],
-    /// Lights that cast hard shadows.
-    pub hard_lights: u32,
-    /// Blob surfaces.
-    pub fields: Vec<StagedField>,
-    /// Up.
-    pub up: Vec3,
-    /// The ground's surface, the middle of what it shows relative to [`StagedShading::origin`], and
-    /// [`crate::frame::GroundLook::radius`].
-    pub ground: Option<(u32, DVec3, f64)>,
-    /// What stands behind the surfaces.
-    pub background: Background,
-    /// Whether anything surrounds the scene.
-    pub has_surroundings: bool,
-    /// Clear media around the eye, in the order of entering: surface + 1, four bits each, the first lowest.
-    pub media: u32,
-    /// How many surfaces have clear media inside.
-    pub medium_count: u32,
-    /// Whether light may go straight through clear surfaces on its way to others.
-    pub light_walks: bool,
-    /// How light is gathered.
-    pub integrator: IntegratorSettings,
-    /// Rays of `ao` per sample.
-    pub ao_samples: u32,
-}
 
 /// Words under way.
 #[derive(Default)]
@@ -176,33 +73,14 @@ fn halves(v: DVec3) -> [Vec3; 2] {
     [high, (v - high.as_dvec3()).as_vec3()]
 }
 
-/// Whether an instance only moves what it places.
-fn is_upright(instance: &Instance) -> bool {
-    instance.world_from_object.matrix3 == DMat3::IDENTITY
-}
-
 impl Shader<'_> {
-    /// What stages need to shade as this shader does.
-    ///
-    /// # Errors
-    /// Where they cannot.
-    pub fn staged(&self) -> Result<StagedShading, Unstaged> {
+    /// All words, and those where surfaces, materials, lights, the light from all around, and the table of
+    /// what rough metals keep begin.
+    pub(super) fn staged_words(
+        &self,
+        origin: DVec3,
+    ) -> Result<(Vec<[f32; 4]>, [u32; 5]), Unstaged> {
         let frame = self.world.frame;
-        self.check_stages(frame)?;
-        let fields = |origin: DVec3| {
-            let instances = frame.instances.iter().enumerate();
-            instances.filter_map(move |(surface, instance)| {
-                let blobs = frame.geometries[instance.geometry as usize].blobs()?;
-                let place = blobs.field.origin + instance.world_from_object.translation;
-                Some(StagedField {
-                    surface: surface as u32,
-                    geometry: instance.geometry,
-                    offset: place - origin,
-                })
-            })
-        };
-        let origin = fields(DVec3::ZERO).next().ok_or(Unstaged::NoBlobs)?.offset;
-        let fields = fields(origin).collect();
         let mut words = Words::default();
         let images: Vec<u32> = (self.world.lights.emitters.iter())
             .map(|emitter| image_words(emitter, &mut words))
@@ -226,126 +104,8 @@ impl Shader<'_> {
         }
         self.ambient_words(&mut words);
         let full = words.albedo(AlbedoTable::full());
-        let hard_lights = frame.lights.iter().filter(|light| is_hard(light)).count();
-        let media = self
-            .media
-            .as_ref()
-            .map_or(&[][..], |media| media.surfaces());
-        Ok(StagedShading {
-            origin,
-            words: words.0,
-            places: [surfaces, materials, emitters, ambient, full],
-            counts: [frame.instances.len() as u32, frame.lights.len() as u32],
-            hard_lights: hard_lights as u32,
-            fields,
-            up: frame.up.as_vec3(),
-            ground: (frame.ground.as_ref())
-                .map(|ground| (ground.surface, ground.center - origin, ground.radius)),
-            background: self.settings.background,
-            has_surroundings: self.world.lights.has_surroundings(),
-            media: media
-                .iter()
-                .rev()
-                .fold(0, |stack, &surface| stack << 4 | (surface + 1)),
-            medium_count: self.world.medium_count as u32,
-            light_walks: self.light_walks(),
-            integrator: self.settings.integrator.clone(),
-            ao_samples: self.settings.integrator.ao_samples(self.settings.spp),
-        })
-    }
-
-    /// What a sample saw that stages shaded: with everything that they leave to the processor. `hit` is
-    /// what it met first, at `time_secs`.
-    pub fn seen_by_stages(
-        &self,
-        radiance: Vec3,
-        is_covered: bool,
-        hit: Option<Hit>,
-        time_secs: f64,
-        scratch: &mut ShadeScratch,
-    ) -> Seen {
-        scratch.attributes.time_secs = time_secs;
-        let color = |hit: &Hit| match self.world.material(hit.surface).0.base {
-            BaseColor::Constant(color) => Vec3::from_array(color),
-            // Stages do not begin with those.
-            BaseColor::Attribute(_) | BaseColor::Direct(_) => Vec3::ZERO,
-        };
-        let gathered = Gathered {
-            radiance,
-            first: hit.map(|hit| (hit, color(&hit))),
-            is_covered,
-        };
-        self.seen(&gathered, scratch)
-    }
-
-    fn check_stages(&self, frame: &Frame) -> Result<(), Unstaged> {
-        let integrator = &self.settings.integrator;
-        let varies = |material: &Material| {
-            !matches!(material.base, BaseColor::Constant(_))
-                || material.roughness_by.is_some()
-                || (material.kind.is_clear() && material.absorption.constant().is_none())
-        };
-        let used = || {
-            let instances = frame.instances.iter();
-            instances.map(|instance| &frame.materials[instance.material as usize])
-        };
-        let turns = |geometry: &Geometry| {
-            let motion = geometry
-                .blobs()
-                .and_then(|blobs| blobs.field.motion.as_ref());
-            motion.is_some_and(crate::field::Motion::turns)
-        };
-        let may_turn = |instance: &Instance| {
-            matches!(
-                frame.geometries[instance.geometry as usize],
-                Geometry::Plane(_)
-            )
-        };
-        let found = [
-            (self.settings.eye_moves, Unstaged::MovingCamera),
-            (
-                (frame.instances.iter()).any(|instance| instance.path.is_some()),
-                Unstaged::MovingInstance,
-            ),
-            (!frame.clips.is_empty(), Unstaged::Cuts),
-            (
-                (frame.geometries.iter()).any(|g| matches!(g, Geometry::Mesh(_))),
-                Unstaged::Mesh,
-            ),
-            (
-                (frame.instances.iter()).any(|i| !is_upright(i) && !may_turn(i)),
-                Unstaged::Turned,
-            ),
-            (frame.geometries.iter().any(turns), Unstaged::TurningBlobs),
-            (used().any(varies), Unstaged::Attributes),
-            (
-                integrator.specular_antialiasing,
-                Unstaged::SpecularAntialiasing,
-            ),
-            (
-                frame.instances.len() > MOST_SURFACES,
-                Unstaged::ManySurfaces,
-            ),
-            (self.media.is_none(), Unstaged::MovingMedia),
-        ];
-        match found.iter().find(|(is_so, _)| *is_so) {
-            Some(&(_, why)) => Err(why),
-            None => Ok(()),
-        }
-    }
-}
-
-impl Shader<'_> {
-    /// Whether light may go straight through clear surfaces on its way to others.
-    fn light_walks(&self) -> bool {
-        let integrator = &self.settings.integrator;
-        let media = self.world.medium_count;
-        let goes_straight = match integrator.kind {
-            IntegratorKind::Shaded | IntegratorKind::Ao => return false,
-            IntegratorKind::Whitted => true,
-            IntegratorKind::Path => !integrator.caustics,
-        };
-        self.world.has_sheets || media > 1 || goes_straight && media > 0
+        let places = [surfaces, materials, emitters, ambient, full];
+        Ok((words.0, places))
     }
 
     /// Tables of each material: of its coat, or of its boundary seen from the thin and the dense side.
@@ -439,16 +199,6 @@ fn surface_words(frame: &Frame, instance: &Instance, origin: DVec3, words: &mut 
             words.push(Vec3::ZERO, 0.0);
             words.push(Vec3::ZERO, 0.0);
         }
-    }
-}
-
-fn is_hard(light: &Light) -> bool {
-    match light {
-        Light::Sun { .. }
-        | Light::Point { .. }
-        | Light::Sphere { .. }
-        | Light::Rectangle { .. } => true,
-        Light::Sky { .. } | Light::Constant { .. } | Light::Environment { .. } => false,
     }
 }
 

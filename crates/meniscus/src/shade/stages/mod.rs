@@ -1,0 +1,161 @@
+//! What a device is told whose own stages shade: a frame's looks and lights, and what they leave here.
+
+mod unstaged;
+mod words;
+
+pub use unstaged::{MOST_SURFACES, Unstaged};
+pub use words::{ALBEDO_ENTRIES, AMBIENT_WORDS, EMITTER_WORDS, MATERIAL_WORDS, SURFACE_WORDS};
+
+use super::Shader;
+use super::integrator::Gathered;
+use super::rays::{Seen, ShadeScratch};
+use crate::frame::{BaseColor, Light};
+use crate::intersect::Hit;
+use crate::scene::{Background, IntegratorKind, IntegratorSettings};
+use glam::{DVec3, Vec3};
+
+/// A blob surface of the frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StagedField {
+    /// Its instance.
+    pub surface: u32,
+    /// Its geometry.
+    pub geometry: u32,
+    /// Where the field's origin lies, relative to [`StagedShading::origin`].
+    pub offset: DVec3,
+}
+
+/// A frame's looks and lights, as stages read them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StagedShading {
+    /// World point that all positions are relative to.
+    pub origin: DVec3,
+    /// Surfaces, materials, lights, tables.
+    pub words: Vec<[f32; 4]>,
+    /// Word of the first surface, material, light, of the light from all around, and of the table of what
+    /// rough metals keep.
+    pub places: [u32; 5],
+    /// Surfaces and lights.
+    pub counts: [u32; 2],
+    /// Lights that cast hard shadows.
+    pub hard_lights: u32,
+    /// Blob surfaces.
+    pub fields: Vec<StagedField>,
+    /// Up.
+    pub up: Vec3,
+    /// The ground's surface, the middle of what it shows relative to [`StagedShading::origin`], and
+    /// [`crate::frame::GroundLook::radius`].
+    pub ground: Option<(u32, DVec3, f64)>,
+    /// What stands behind the surfaces.
+    pub background: Background,
+    /// Whether anything surrounds the scene.
+    pub has_surroundings: bool,
+    /// Clear media around the eye, in the order of entering: surface + 1, four bits each, the first lowest.
+    pub media: u32,
+    /// How many surfaces have clear media inside.
+    pub medium_count: u32,
+    /// Whether light may go straight through clear surfaces on its way to others.
+    pub light_walks: bool,
+    /// How light is gathered.
+    pub integrator: IntegratorSettings,
+    /// Rays of `ao` per sample.
+    pub ao_samples: u32,
+}
+
+impl Shader<'_> {
+    /// What stages need to shade as this shader does.
+    ///
+    /// # Errors
+    /// Where they cannot.
+    pub fn staged(&self) -> Result<StagedShading, Unstaged> {
+        let frame = self.world.frame;
+        self.check_stages()?;
+        let fields = |origin: DVec3| {
+            let instances = frame.instances.iter().enumerate();
+            instances.filter_map(move |(surface, instance)| {
+                let blobs = frame.geometries[instance.geometry as usize].blobs()?;
+                let place = blobs.field.origin + instance.world_from_object.translation;
+                Some(StagedField {
+                    surface: surface as u32,
+                    geometry: instance.geometry,
+                    offset: place - origin,
+                })
+            })
+        };
+        let origin = fields(DVec3::ZERO).next().ok_or(Unstaged::NoBlobs)?.offset;
+        let fields = fields(origin).collect();
+        let (words, places) = self.staged_words(origin)?;
+        let hard_lights = frame.lights.iter().filter(|light| is_hard(light)).count();
+        let media = self
+            .media
+            .as_ref()
+            .map_or(&[][..], |media| media.surfaces());
+        Ok(StagedShading {
+            origin,
+            words,
+            places,
+            counts: [frame.instances.len() as u32, frame.lights.len() as u32],
+            hard_lights: hard_lights as u32,
+            fields,
+            up: frame.up.as_vec3(),
+            ground: (frame.ground.as_ref())
+                .map(|ground| (ground.surface, ground.center - origin, ground.radius)),
+            background: self.settings.background,
+            has_surroundings: self.world.lights.has_surroundings(),
+            media: media
+                .iter()
+                .rev()
+                .fold(0, |stack, &surface| stack << 4 | (surface + 1)),
+            medium_count: self.world.medium_count as u32,
+            light_walks: self.light_walks(),
+            integrator: self.settings.integrator.clone(),
+            ao_samples: self.settings.integrator.ao_samples(self.settings.spp),
+        })
+    }
+
+    /// What a sample saw that stages shaded: with everything that they leave to the processor. `hit` is
+    /// what it met first, at `time_secs`.
+    pub fn seen_by_stages(
+        &self,
+        radiance: Vec3,
+        is_covered: bool,
+        hit: Option<Hit>,
+        time_secs: f64,
+        scratch: &mut ShadeScratch,
+    ) -> Seen {
+        scratch.attributes.time_secs = time_secs;
+        let color = |hit: &Hit| match self.world.material(hit.surface).0.base {
+            BaseColor::Constant(color) => Vec3::from_array(color),
+            // Stages do not begin with those.
+            BaseColor::Attribute(_) | BaseColor::Direct(_) => Vec3::ZERO,
+        };
+        let gathered = Gathered {
+            radiance,
+            first: hit.map(|hit| (hit, color(&hit))),
+            is_covered,
+        };
+        self.seen(&gathered, scratch)
+    }
+
+    /// Whether light may go straight through clear surfaces on its way to others.
+    fn light_walks(&self) -> bool {
+        let integrator = &self.settings.integrator;
+        let media = self.world.medium_count;
+        let goes_straight = match integrator.kind {
+            IntegratorKind::Shaded | IntegratorKind::Ao => return false,
+            IntegratorKind::Whitted => true,
+            IntegratorKind::Path => !integrator.caustics,
+        };
+        self.world.has_sheets || media > 1 || goes_straight && media > 0
+    }
+}
+
+fn is_hard(light: &Light) -> bool {
+    match light {
+        Light::Sun { .. }
+        | Light::Point { .. }
+        | Light::Sphere { .. }
+        | Light::Rectangle { .. } => true,
+        Light::Sky { .. } | Light::Constant { .. } | Light::Environment { .. } => false,
+    }
+}
