@@ -43,6 +43,8 @@ pub(crate) struct Batch {
 pub(crate) struct Room {
     /// Rays.
     pub(crate) rays: usize,
+    /// Records that each of them is answered with.
+    pub(crate) records: u32,
     /// Blobs that all of them meet at a time.
     pub(crate) met: usize,
 }
@@ -73,7 +75,8 @@ impl Batch {
         bind: impl FnOnce([&wgpu::Buffer; 5]) -> wgpu::BindGroup,
     ) -> Result<Self, GpuError> {
         let (count, met) = (room.rays as u64, room.met as u64);
-        let bytes = count * (RAY_BYTES + 2 * HIT_BYTES) + met * MET_BYTES.iter().sum::<u64>();
+        let all_hit_bytes = count * u64::from(room.records) * HIT_BYTES;
+        let bytes = count * RAY_BYTES + 2 * all_hit_bytes + met * MET_BYTES.iter().sum::<u64>();
         let buffer = |label, size, usage| {
             device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -86,9 +89,9 @@ impl Batch {
         device.within_memory(bytes, || {
             let params = buffer("params", PARAMS_BYTES, Usage::UNIFORM | Usage::COPY_DST);
             let rays = buffer("rays", count * RAY_BYTES, Usage::STORAGE | Usage::COPY_DST);
-            let hits = buffer("hits", count * HIT_BYTES, Usage::STORAGE | Usage::COPY_SRC);
+            let hits = buffer("hits", all_hit_bytes, Usage::STORAGE | Usage::COPY_SRC);
             let lists = MET_BYTES.map(|bytes| buffer("met blobs", met * bytes, Usage::STORAGE));
-            let back_bytes = count * HIT_BYTES + TIME_BYTES;
+            let back_bytes = all_hit_bytes + TIME_BYTES;
             let back = buffer("back", back_bytes, Usage::MAP_READ | Usage::COPY_DST);
             let clock = Clock::new(device);
             let group = bind([&params, &rays, &hits, &lists[0], &lists[1]]);
@@ -109,8 +112,8 @@ impl Batch {
         self.room.rays_with(call.capacity, call.workgroup)
     }
 
-    /// Traces `rays`, no more than there is room for, and reads what they hit into `hits`; returns the
-    /// device's own time in seconds, where it keeps one.
+    /// Traces `rays`, no more than there is room for, and reads what they hit into `hits`, the records of
+    /// a ray after those of the one before; returns the device's own time in seconds, where it keeps one.
     pub(crate) fn run(
         &self,
         device: &Device,
@@ -136,7 +139,8 @@ impl Batch {
             let groups = (rays.len() as u32).div_ceil(call.workgroup);
             stage::dispatch(device, &mut pass, call.pipeline, &self.group, groups);
         }
-        let hit_bytes = rays.len() as u64 * HIT_BYTES;
+        let records = rays.len() * self.room.records as usize;
+        let hit_bytes = records as u64 * HIT_BYTES;
         encoder.copy_buffer_to_buffer(&self.hits, 0, &self.back, 0, hit_bytes);
         let mut back_bytes = hit_bytes;
         if let Some(clock) = &self.clock {
@@ -146,11 +150,11 @@ impl Batch {
         device.count_batch();
         queue.submit([encoder.finish()]);
         readback::read(device, &self.back, back_bytes, |view| {
-            let (records, times) = view.split_at(hit_bytes as usize);
+            let (found, times) = view.split_at(hit_bytes as usize);
             hits.clear();
-            hits.resize(rays.len(), [0; 8]);
+            hits.resize(records, [0; 8]);
             let bytes: &mut [u8] = bytemuck::cast_slice_mut(hits);
-            bytes.copy_from_slice(records);
+            bytes.copy_from_slice(found);
             self.clock.as_ref().map(|_| Clock::seconds(device, times))
         })
     }

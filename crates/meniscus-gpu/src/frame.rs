@@ -6,7 +6,7 @@ use crate::tracer::{FieldTracer, TraceWork, TracerOptions};
 use crate::uploaded::Uploaded;
 use meniscus::field::Motion;
 use meniscus::frame::{Blobs, Frame, Geometry};
-use meniscus::intersect::{BlobHit, BlobTracer, Scratch, TraceError};
+use meniscus::intersect::{BlobHit, BlobTracer, Crossing, Scratch, TraceError};
 use meniscus::math::ray::Ray;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -181,6 +181,24 @@ impl BlobTracer for FrameTracer<'_> {
         };
         if !done {
             blobs.occluded_many(rays, hits, scratch);
+        }
+        Ok(())
+    }
+
+    fn crossings_many(
+        &self,
+        geometry: u32,
+        blobs: &Blobs,
+        rays: &[Ray],
+        crossings: &mut [Vec<Crossing>],
+        scratch: &mut Scratch,
+    ) -> Result<(), TraceError> {
+        let done = match self.field(geometry) {
+            Some(field) => self.settle(field.crossings_many(blobs, rays, crossings, scratch))?,
+            None => false,
+        };
+        if !done {
+            blobs.crossings_many(rays, crossings, scratch);
         }
         Ok(())
     }

@@ -8,6 +8,7 @@
 mod batch;
 mod build;
 mod chunks;
+mod crossings;
 mod device;
 mod error;
 mod frame;

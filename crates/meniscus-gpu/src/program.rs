@@ -1,7 +1,7 @@
 //! Shaders that have been compiled: kept for the fields and frames to come.
 
 use crate::device::Device;
-use crate::shader::{ShaderKind, sources};
+use crate::shader::{CROSSINGS, ShaderKind, sources};
 use crate::stage::{Access, Bindings};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -13,6 +13,18 @@ pub(crate) enum Question {
     First,
     /// Whether there is one.
     Any,
+    /// Where all of them are.
+    All,
+}
+
+impl Question {
+    /// Records that a ray is answered with.
+    pub(crate) fn records(self) -> u32 {
+        match self {
+            Self::First | Self::Any => 1,
+            Self::All => CROSSINGS,
+        }
+    }
 }
 
 /// One shader with its entry points, compiled when they are first needed.
@@ -22,6 +34,7 @@ pub(crate) struct Program {
     module: wgpu::ShaderModule,
     closest: OnceLock<wgpu::ComputePipeline>,
     occluded: OnceLock<wgpu::ComputePipeline>,
+    crossings: OnceLock<wgpu::ComputePipeline>,
 }
 
 /// The shaders of a device.
@@ -59,6 +72,7 @@ impl Program {
             module,
             closest: OnceLock::new(),
             occluded: OnceLock::new(),
+            crossings: OnceLock::new(),
         }
     }
 
@@ -67,6 +81,7 @@ impl Program {
         let (slot, entry_point) = match question {
             Question::First => (&self.closest, "closest"),
             Question::Any => (&self.occluded, "occluded"),
+            Question::All => (&self.crossings, "crossings"),
         };
         slot.get_or_init(|| {
             self.bindings

@@ -6,6 +6,9 @@ use meniscus::kernel::Kernel;
 /// Rays that one workgroup traces.
 pub(crate) const WORKGROUP: u32 = 64;
 
+/// Records of a ray that asks for all its crossings.
+pub(crate) const CROSSINGS: u32 = 8;
+
 /// What a shader is made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ShaderKind {
@@ -62,13 +65,17 @@ pub fn sources(kind: &ShaderKind) -> String {
         include_str!("shaders/intersect/hit.wgsl"),
         include_str!("shaders/intersect/particles.wgsl"),
         include_str!("shaders/intersect/stretches.wgsl"),
+        include_str!("shaders/intersect/crossings.wgsl"),
     ]
     .join("\n")
 }
 
 fn numbers(kind: &ShaderKind) -> String {
     let stack = kind.stack;
-    format!("const WORKGROUP: u32 = {WORKGROUP}u;\nconst STACK: u32 = {stack}u;\n")
+    format!(
+        "const WORKGROUP: u32 = {WORKGROUP}u;\nconst STACK: u32 = {stack}u;\n\
+         const CROSSINGS: u32 = {CROSSINGS}u;\n"
+    )
 }
 
 /// First binding of the field's buffers.

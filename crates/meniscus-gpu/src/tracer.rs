@@ -16,9 +16,9 @@ use meniscus::intersect::{BlobHit, ClippedRay, Scratch};
 use meniscus::math::ray::Ray;
 
 /// `HitRecord::status`.
-const HIT: u32 = 1;
-const IN_DOUBT: u32 = 2;
-const NO_ROOM: u32 = 3;
+pub(crate) const HIT: u32 = 1;
+pub(crate) const IN_DOUBT: u32 = 2;
+pub(crate) const NO_ROOM: u32 = 3;
 
 /// How a field is put on a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -216,6 +216,11 @@ impl<'d> FieldTracer<'d> {
         tree + self.built.as_ref().map_or(0, BuiltTree::bytes)
     }
 
+    /// The device.
+    pub(crate) fn device(&self) -> &'d Device {
+        self.device
+    }
+
     /// The field's buffers, where there is anything to hit.
     pub(crate) fn uploaded(&self) -> Option<&Uploaded> {
         self.uploaded.as_ref()
@@ -300,8 +305,8 @@ impl<'d> FieldTracer<'d> {
                 room,
                 rays,
                 &waiting,
-                |sent, record| match record[0] {
-                    HIT => answer(sent, Some(record)),
+                |sent, records| match records[0][0] {
+                    HIT => answer(sent, Some(&records[0])),
                     IN_DOUBT => in_doubt.push(*sent),
                     NO_ROOM => crowded.push(*sent),
                     _ => {}

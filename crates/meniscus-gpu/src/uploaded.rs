@@ -16,7 +16,7 @@ use meniscus::math::aabb::Aabb;
 use meniscus::math::ray::{Ray, Side};
 use meniscus::primitive::Shapes;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Rays that are sent together.
@@ -56,7 +56,8 @@ pub(crate) struct Uploaded {
     /// For ordinary rays and for crowded ones.
     capacities: [u32; 2],
     params: ParamsRecord,
-    idle: Mutex<Vec<Batch>>,
+    /// For rays that are answered with one record, and with several.
+    idle: [Mutex<Vec<Batch>>; 2],
     batch: AtomicUsize,
 }
 
@@ -122,7 +123,7 @@ impl Uploaded {
             },
             placed,
             params: [0; 8],
-            idle: Mutex::default(),
+            idle: Default::default(),
             batch: AtomicUsize::new(BATCH),
         };
         uploaded.set(blobs, around);
@@ -211,7 +212,7 @@ impl Uploaded {
         room: usize,
         rays: &[Ray],
         waiting: &[Sent],
-        mut visit: impl FnMut(&Sent, &HitRecord),
+        mut visit: impl FnMut(&Sent, &[HitRecord]),
     ) -> Result<f64, GpuError> {
         let mut seconds = 0.0;
         if waiting.is_empty() {
@@ -224,7 +225,7 @@ impl Uploaded {
             capacity: self.capacities[room],
             workgroup: WORKGROUP,
         };
-        let batch = self.borrow(device, &program.bindings)?;
+        let batch = self.borrow(device, question, &program.bindings)?;
         let mut records = Vec::new();
         let mut hits = Vec::new();
         let mut rest = waiting;
@@ -244,15 +245,13 @@ impl Uploaded {
                 self.batch
                     .store((most / 2).max(LEAST_BATCH), Ordering::Relaxed);
             }
-            for (sent, record) in now.iter().zip(&hits) {
-                visit(sent, record);
+            let records = hits.chunks_exact(question.records() as usize);
+            for (sent, records) in now.iter().zip(records) {
+                visit(sent, records);
             }
             rest = later;
         }
-        self.idle
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(batch);
+        self.idle(question).push(batch);
         Ok(seconds)
     }
 
@@ -297,15 +296,22 @@ impl Uploaded {
         ]
     }
 
-    fn borrow(&self, device: &Device, bindings: &Bindings) -> Result<Batch, GpuError> {
-        let idle = self
-            .idle
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .pop();
+    /// Buffers for a question that are not in use.
+    fn idle(&self, question: Question) -> MutexGuard<'_, Vec<Batch>> {
+        let idle = &self.idle[usize::from(question.records() > 1)];
+        idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn borrow(
+        &self,
+        device: &Device,
+        question: Question,
+        bindings: &Bindings,
+    ) -> Result<Batch, GpuError> {
+        let idle = self.idle(question).pop();
         match idle {
             Some(batch) => Ok(batch),
-            None => Batch::new(device, room(device), |buffers| {
+            None => Batch::new(device, room(device, question), |buffers| {
                 self.bound_by(device, bindings, buffers)
             }),
         }
@@ -313,10 +319,11 @@ impl Uploaded {
 }
 
 /// What a batch has room for: no more blobs than the adapter binds.
-fn room(device: &Device) -> Room {
+fn room(device: &Device, question: Question) -> Room {
     let largest = device.largest_binding();
     Room {
         rays: BATCH,
+        records: question.records(),
         met: (BATCH * CAPACITIES[0] as usize).min((largest / MET_BLOB_BYTES) as usize),
     }
 }

@@ -46,7 +46,7 @@ fn all_are_valid() {
             .iter()
             .map(|e| e.name.as_str())
             .collect();
-        assert_eq!(entries, ["closest", "occluded"]);
+        assert_eq!(entries, ["closest", "occluded", "crossings"]);
     }
 }
 

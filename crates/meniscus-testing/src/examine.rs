@@ -32,6 +32,12 @@ pub trait Tracer: Sync {
     fn occluded_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<bool> {
         rays.iter().map(|ray| self.occluded(ray, scratch)).collect()
     }
+
+    /// Every crossing of many rays.
+    fn crossings_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<Vec<Crossing>> {
+        let crossings = rays.iter().map(|ray| self.crossings(ray, scratch));
+        crossings.collect()
+    }
 }
 
 impl Tracer for Blobs {
@@ -75,6 +81,8 @@ pub enum Question {
     AnyTogether,
     /// All of them.
     All,
+    /// The same, of many rays at once.
+    AllTogether,
 }
 
 /// What came out.
@@ -167,11 +175,13 @@ fn examine_part(tracer: &impl Tracer, oracle: &Oracle, rays: &[Ray], question: Q
         ..Tally::default()
     };
     let mut scratch = Scratch::default();
-    let (closest, any) = match question {
-        Question::ClosestTogether => (tracer.closest_many(rays, &mut scratch), Vec::new()),
-        Question::AnyTogether => (Vec::new(), tracer.occluded_many(rays, &mut scratch)),
-        _ => (Vec::new(), Vec::new()),
-    };
+    let (mut closest, mut any, mut all) = (Vec::new(), Vec::new(), Vec::new());
+    match question {
+        Question::ClosestTogether => closest = tracer.closest_many(rays, &mut scratch),
+        Question::AnyTogether => any = tracer.occluded_many(rays, &mut scratch),
+        Question::AllTogether => all = tracer.crossings_many(rays, &mut scratch),
+        Question::Closest | Question::Any | Question::All => {}
+    }
     for (i, ray) in rays.iter().enumerate() {
         match question {
             Question::Closest | Question::ClosestTogether => {
@@ -198,8 +208,11 @@ fn examine_part(tracer: &impl Tracer, oracle: &Oracle, rays: &[Ray], question: Q
                     format!("{fault:?}: {ray:?} gave {answer}, expected {expected:?}")
                 });
             }
-            Question::All => {
-                let answer = tracer.crossings(ray, &mut scratch);
+            Question::All | Question::AllTogether => {
+                let answer = match question {
+                    Question::All => tracer.crossings(ray, &mut scratch),
+                    _ => std::mem::take(&mut all[i]),
+                };
                 tally.hits += usize::from(!answer.is_empty());
                 let verdict = excuse::judge_crossings(oracle, ray, &answer);
                 tally.count(verdict, |fault| {

@@ -4,7 +4,7 @@ use super::engine::EngineChoice;
 use crate::exit::{Failure, Outcome};
 use crate::progress::Reporter;
 use meniscus::frame::Frame;
-use meniscus::intersect::{BlobTracer, Hit, OnCpu, Scratch, TraceError};
+use meniscus::intersect::{BlobTracer, Crossing, Hit, OnCpu, Scratch, TraceError};
 use meniscus::math::ray::Ray;
 use meniscus::scene::camera::Camera;
 use meniscus_gpu::{
@@ -274,6 +274,24 @@ impl Tracing<'_> {
             }
             Self::Gpu(tracer) => frame.any_hits_by(&**tracer, rays, hits, scratch),
             Self::Peel(tracer) => frame.any_hits_by(&**tracer, rays, hits, scratch),
+        }
+    }
+
+    /// Every crossing of many rays.
+    pub(crate) fn crossings(
+        &self,
+        frame: &Frame,
+        rays: &[Ray],
+        crossings: &mut [Vec<Crossing>],
+        scratch: &mut Scratch,
+    ) -> Result<(), TraceError> {
+        match self {
+            Self::Cpu => {
+                let Ok(()) = frame.crossings_by(&OnCpu, rays, crossings, scratch);
+                Ok(())
+            }
+            Self::Gpu(tracer) => frame.crossings_by(&**tracer, rays, crossings, scratch),
+            Self::Peel(tracer) => frame.crossings_by(&**tracer, rays, crossings, scratch),
         }
     }
 

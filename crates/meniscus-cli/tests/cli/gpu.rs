@@ -284,7 +284,21 @@ fn rays_of_a_file_hit_the_same() {
     let hit: Vec<bool> = cpu.iter().map(|t| t.is_finite()).collect();
     assert_eq!(any, hit);
     let ended = run_on_software(&folder, &format!("{words} all.npz --device gpu --all"), &[]);
-    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    folder.done(&format!("{words} all-cpu.npz --engine particles --all"));
+    let crossings = |name: &str| -> (Vec<i64>, Vec<f64>, Vec<bool>) {
+        let mut archive = NpzArchive::open(folder.path(name)).unwrap();
+        let ray = archive.by_name("ray").unwrap().unwrap().into_vec().unwrap();
+        let t = archive.by_name("t").unwrap().unwrap().into_vec().unwrap();
+        let entering = archive.by_name("entering").unwrap().unwrap();
+        (ray, t, entering.into_vec().unwrap())
+    };
+    let (gpu, cpu) = (crossings("all.npz"), crossings("all-cpu.npz"));
+    assert!(cpu.0.len() > 100, "{}", cpu.0.len());
+    assert_eq!((&gpu.0, &gpu.2), (&cpu.0, &cpu.2));
+    for (a, b) in gpu.1.iter().zip(&cpu.1) {
+        assert!((a - b).abs() < 1e-5, "{a} and {b}");
+    }
 }
 
 #[test]

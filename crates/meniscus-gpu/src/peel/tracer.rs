@@ -7,7 +7,7 @@ use crate::error::GpuError;
 use crate::frame::{FrameTracer, Takeover};
 use crate::tracer::TraceWork;
 use meniscus::frame::{Blobs, Frame};
-use meniscus::intersect::{BlobHit, BlobTracer, Scratch, TraceError};
+use meniscus::intersect::{BlobHit, BlobTracer, Crossing, Scratch, TraceError};
 use meniscus::math::ray::Ray;
 use meniscus::scene::camera::Camera;
 use std::sync::{Mutex, PoisonError};
@@ -160,5 +160,17 @@ impl BlobTracer for PeelTracer<'_> {
     ) -> Result<(), TraceError> {
         self.tree
             .occluded_many(geometry, blobs, rays, hits, scratch)
+    }
+
+    fn crossings_many(
+        &self,
+        geometry: u32,
+        blobs: &Blobs,
+        rays: &[Ray],
+        crossings: &mut [Vec<Crossing>],
+        scratch: &mut Scratch,
+    ) -> Result<(), TraceError> {
+        self.tree
+            .crossings_many(geometry, blobs, rays, crossings, scratch)
     }
 }

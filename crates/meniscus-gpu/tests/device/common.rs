@@ -116,8 +116,9 @@ impl Tracer for Gpu<'_> {
         self.occluded_many(std::slice::from_ref(ray), scratch)[0]
     }
 
-    fn crossings(&self, _: &Ray, _: &mut Scratch) -> Vec<Crossing> {
-        panic!("the device finds first crossings only")
+    fn crossings(&self, ray: &Ray, scratch: &mut Scratch) -> Vec<Crossing> {
+        self.crossings_many(std::slice::from_ref(ray), scratch)
+            .remove(0)
     }
 
     fn closest_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<Option<BlobHit>> {
@@ -136,5 +137,14 @@ impl Tracer for Gpu<'_> {
                 .occluded_many(self.blobs, rays, &mut hits, scratch),
         );
         hits
+    }
+
+    fn crossings_many(&self, rays: &[Ray], scratch: &mut Scratch) -> Vec<Vec<Crossing>> {
+        let mut crossings = vec![Vec::new(); rays.len()];
+        self.settle(
+            self.tracer
+                .crossings_many(self.blobs, rays, &mut crossings, scratch),
+        );
+        crossings
     }
 }

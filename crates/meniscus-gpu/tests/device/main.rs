@@ -4,6 +4,7 @@
 mod agreement;
 mod build;
 mod common;
+mod crossings;
 mod peel;
 mod pictures;
 mod stages;

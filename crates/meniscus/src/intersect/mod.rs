@@ -200,6 +200,22 @@ impl Blobs {
         }
     }
 
+    /// Every crossing of object-space rays, in order, appended to the ray's entry of `crossings`.
+    ///
+    /// # Panics
+    /// If `crossings` is not as long as `rays`.
+    pub fn crossings_many(
+        &self,
+        rays: &[Ray],
+        crossings: &mut [Vec<Crossing>],
+        scratch: &mut Scratch,
+    ) {
+        assert_eq!(rays.len(), crossings.len(), "one list per ray");
+        for (ray, list) in rays.iter().zip(crossings) {
+            self.crossings(ray, scratch, list);
+        }
+    }
+
     /// Every crossing of an object-space ray, in order, appended to `crossings`.
     pub fn crossings(&self, ray: &Ray, scratch: &mut Scratch, crossings: &mut Vec<Crossing>) {
         if let Accel::Sweep(_) | Accel::Elsewhere = &self.accel {

@@ -1,7 +1,7 @@
 //! Who answers rays on blob surfaces, many at a time: this machine's processor or another device. The
 //! rest of a frame (meshes, spheres, planes, cuts) is always looked after here.
 
-use super::{BlobHit, Scratch};
+use super::{BlobHit, Crossing, Scratch};
 use crate::frame::Blobs;
 use crate::math::ray::Ray;
 use std::convert::Infallible;
@@ -48,6 +48,19 @@ pub trait BlobTracer: Sync {
         hits: &mut [bool],
         scratch: &mut Scratch,
     ) -> Result<(), Self::Error>;
+
+    /// Every crossing with that geometry in order, appended to the ray's entry of `crossings`.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    fn crossings_many(
+        &self,
+        geometry: u32,
+        blobs: &Blobs,
+        rays: &[Ray],
+        crossings: &mut [Vec<Crossing>],
+        scratch: &mut Scratch,
+    ) -> Result<(), Self::Error>;
 }
 
 /// This machine's processor.
@@ -85,6 +98,18 @@ impl BlobTracer for OnCpu {
         scratch: &mut Scratch,
     ) -> Result<(), Infallible> {
         blobs.occluded_many(rays, hits, scratch);
+        Ok(())
+    }
+
+    fn crossings_many(
+        &self,
+        _geometry: u32,
+        blobs: &Blobs,
+        rays: &[Ray],
+        crossings: &mut [Vec<Crossing>],
+        scratch: &mut Scratch,
+    ) -> Result<(), Infallible> {
+        blobs.crossings_many(rays, crossings, scratch);
         Ok(())
     }
 }

@@ -23,8 +23,10 @@ pub(super) struct ObjectRays {
     occluded: Vec<bool>,
     /// Where each ray lies below the planes that cut.
     spans: Vec<Option<Span>>,
-    /// Rays that have been answered by a cap.
+    /// Rays that have met a cap where they enter what cuts leave.
     capped: Vec<bool>,
+    /// Crossings of each ray before those with the surface that is being asked.
+    before: Vec<usize>,
 }
 
 impl Geometry {

@@ -96,11 +96,20 @@ impl Answers {
                 Ok(Self::Any(occluded))
             }
             Question::All => {
-                let found = traced(rays, reporter, |ray, scratch| {
-                    let mut crossings = Vec::new();
-                    frame.crossings(ray, scratch, &mut crossings);
-                    crossings
-                })?;
+                let found = match tracing {
+                    Tracing::Cpu => traced(rays, reporter, |ray, scratch| {
+                        let mut crossings = Vec::new();
+                        frame.crossings(ray, scratch, &mut crossings);
+                        crossings
+                    })?,
+                    Tracing::Gpu(_) | Tracing::Peel(_) => {
+                        traced_together(rays, tracing, reporter, |rays, scratch| {
+                            let mut crossings = vec![Vec::new(); rays.len()];
+                            tracing.crossings(frame, rays, &mut crossings, scratch)?;
+                            Ok(crossings)
+                        })?
+                    }
+                };
                 Ok(Self::all(&found))
             }
             Question::Closest => {

@@ -42,11 +42,9 @@ pub(crate) fn run(args: &TraceArgs) -> Outcome {
         }
     };
     let rays = rays::read(&args.rays)?;
-    let undoable = if engine.is_peel {
-        Some("rays from a file, which are no camera's")
-    } else {
-        args.all.then_some("--all")
-    };
+    let undoable = engine
+        .is_peel
+        .then_some("rays from a file, which are no camera's");
     let engine = engine.on_device(undoable, &reporter)?;
     reporter.start(1);
     // The shutter is open as long as rays ask for.

@@ -119,15 +119,35 @@ fn surface_at(along: f32) -> HitRecord {
     return HitRecord(HIT, base, along, strongest, outward, select(1u, 0u, is_inside));
 }
 
-fn trace(wants_any: bool) -> HitRecord {
+// Where a search begins.
+struct Start {
+    at: f32,
+    // That the side is the stated one need not show there: it is where the caller's ray starts, or a crossing.
+    is_own: bool,
+    side_is_proven: bool,
+    asks_side: bool,
+}
+
+fn start_of_ray() -> Start {
     prepare();
-    let starts_at_t_min = (ray.flags & STARTS_AT_T_MIN) != 0u;
-    var side_is_proven = (ray.flags & SIDE_IS_PROVEN) != 0u;
-    var asks_side = (ray.flags & ASKS_SIDE) != 0u;
     is_inside = (ray.flags & STARTS_INSIDE) != 0u;
-    var on_stated_side = side_is_proven && !starts_at_t_min;
+    return Start(
+        0.0, (ray.flags & STARTS_AT_T_MIN) != 0u, (ray.flags & SIDE_IS_PROVEN) != 0u, (ray.flags & ASKS_SIDE) != 0u,
+    );
+}
+
+// Behind a crossing, as a ray that leaves a surface.
+fn start_behind(crossing: HitRecord) -> Start {
+    is_inside = !is_inside;
+    return Start(crossing.base + crossing.along, true, false, false);
+}
+
+fn first_behind(start: Start, wants_any: bool) -> HitRecord {
+    var side_is_proven = start.side_is_proven;
+    var asks_side = start.asks_side;
+    var on_stated_side = side_is_proven && !start.is_own;
     // Up to here the ray is solved.
-    var solved = 0.0;
+    var solved = start.at;
     var reach = params.longest;
     var quiet = 0u;
     for (var step = 0u; step < MOST_STRETCHES; step++) {
@@ -149,7 +169,8 @@ fn trace(wants_any: bool) -> HitRecord {
             return nothing(MISS);
         }
         // No support reaches the ray before.
-        if stretch_start > max(solved, params.rounding) && !(is_inside && on_stated_side) {
+        let is_away = stretch_start > max(solved, start.at + params.rounding);
+        if is_away && !(is_inside && on_stated_side) {
             solved = stretch_start;
             on_stated_side = on_stated_side || !is_inside;
         }
@@ -173,14 +194,15 @@ fn trace(wants_any: bool) -> HitRecord {
         if !is_inside && upper_bound(from_at, to_at) < params.threshold {
             on_stated_side = true;
         } else {
-            let away_from_start = solved > params.rounding || !starts_at_t_min;
+            let away_from_start = solved > start.at + params.rounding || !start.is_own;
             var entry = UNCONFIRMED;
             if side_is_proven || (on_stated_side && away_from_start) {
                 entry = CONFIRMED;
             } else if away_from_start {
                 entry = RETURNING;
             }
-            let own_reach = select(-1.0, params.near_start, starts_at_t_min && !side_is_proven);
+            let own_reach =
+                select(-1.0, start.at + params.near_start, start.is_own && !side_is_proven);
             // That there is a crossing is enough.
             let any_place = wants_any && solved > own_reach;
             let tolerance = select(params.tolerance, 3e38, any_place);
@@ -205,6 +227,10 @@ fn trace(wants_any: bool) -> HitRecord {
         }
     }
     return nothing(IN_DOUBT);
+}
+
+fn trace(wants_any: bool) -> HitRecord {
+    return first_behind(start_of_ray(), wants_any);
 }
 
 fn number_of(group: vec3u, groups: vec3u, lane: u32) -> u32 {
