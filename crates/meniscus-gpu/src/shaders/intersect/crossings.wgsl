@@ -14,6 +14,7 @@ fn crossings(
     ray = rays[index];
     first_met = (index - lane) * params.capacity + lane;
     var start = start_of_ray();
+    start.must_show = start.is_own && !start.side_is_proven && !start.asks_side;
     for (var i = 0u; i < CROSSINGS; i++) {
         let record = if_whole(first_behind(start, false));
         hits[index * CROSSINGS + i] = record;

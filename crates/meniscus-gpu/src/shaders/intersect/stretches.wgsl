@@ -126,20 +126,30 @@ struct Start {
     is_own: bool,
     side_is_proven: bool,
     asks_side: bool,
+    // The side has to show a little farther on: where it does not, there are crossings that f32 cannot tell.
+    must_show: bool,
 }
 
 fn start_of_ray() -> Start {
     prepare();
     is_inside = (ray.flags & STARTS_INSIDE) != 0u;
-    return Start(
-        0.0, (ray.flags & STARTS_AT_T_MIN) != 0u, (ray.flags & SIDE_IS_PROVEN) != 0u, (ray.flags & ASKS_SIDE) != 0u,
-    );
+    let is_own = (ray.flags & STARTS_AT_T_MIN) != 0u;
+    let side_is_proven = (ray.flags & SIDE_IS_PROVEN) != 0u;
+    return Start(0.0, is_own, side_is_proven, (ray.flags & ASKS_SIDE) != 0u, false);
 }
 
 // Behind a crossing, as a ray that leaves a surface.
 fn start_behind(crossing: HitRecord) -> Start {
     is_inside = !is_inside;
-    return Start(crossing.base + crossing.along, true, false, false);
+    return Start(crossing.base + crossing.along, true, false, false, true);
+}
+
+// Whether the field is surely on the ray's side near a start; its stretch is gathered.
+fn shows_side(start: Start) -> bool {
+    let sums = field_at(min(start.at + params.near_start, stretch_end) - base);
+    let above = sums.x - params.threshold;
+    let is_clear = abs(above) > SIDE_NOISE * max(max(params.threshold, 1.0), sums.y);
+    return is_clear && (above > 0.0) == is_inside;
 }
 
 fn first_behind(start: Start, wants_any: bool) -> HitRecord {
@@ -164,6 +174,9 @@ fn first_behind(start: Start, wants_any: bool) -> HitRecord {
             is_inside = above > 0.0;
             side_is_proven = true;
             asks_side = false;
+        }
+        if step == 0u && start.must_show && !shows_side(start) {
+            return nothing(IN_DOUBT);
         }
         if count == 0u {
             return nothing(MISS);
