@@ -32,5 +32,5 @@ pub use peel::{
     peel_sources,
 };
 pub use shader::{BuildKind, BuildStep, ShaderKind, sources};
-pub use stages::StageModule;
+pub use stages::{StageModule, attribute_sources};
 pub use tracer::{FieldTracer, TraceWork, TracerOptions, TreeUpdate};

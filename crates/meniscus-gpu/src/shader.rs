@@ -36,9 +36,13 @@ pub(crate) fn kernel_source(kernel: Kernel) -> &'static str {
     }
 }
 
-/// The whole text of a tracing shader.
-pub fn sources(kind: &ShaderKind) -> String {
-    let kernel = kernel_source(kind.kernel);
+/// What all shaders have that walk the tree of a field, its buffers from binding `first_chunk` on.
+pub(crate) fn field_parts(kind: &ShaderKind, first_chunk: u32) -> [String; 6] {
+    let field = Heap {
+        binding: first_chunk,
+        chunks: kind.chunks,
+        chunk_bits: kind.chunk_bits,
+    };
     let primitive = match kind.ellipsoids {
         false => include_str!("shaders/primitive/ball.wgsl"),
         true => include_str!("shaders/primitive/ellipsoid.wgsl"),
@@ -47,35 +51,54 @@ pub fn sources(kind: &ShaderKind) -> String {
         false => include_str!("shaders/field/still.wgsl"),
         true => include_str!("shaders/field/moving.wgsl"),
     };
-    let field = Heap {
-        binding: FIRST_CHUNK,
-        chunks: kind.chunks,
-        chunk_bits: kind.chunk_bits,
-    };
-    [
-        &numbers(kind),
-        &field.reader("heap"),
-        include_str!("shaders/math/two_floats.wgsl"),
+    let texts = [
         include_str!("shaders/field/blobs.wgsl"),
-        kernel,
+        kernel_source(kind.kernel),
         primitive,
         motion,
         include_str!("shaders/accel/particles.wgsl"),
-        include_str!("shaders/intersect/solve.wgsl"),
-        include_str!("shaders/intersect/hit.wgsl"),
-        include_str!("shaders/intersect/particles.wgsl"),
-        include_str!("shaders/intersect/stretches.wgsl"),
-        include_str!("shaders/intersect/crossings.wgsl"),
+    ];
+    let [blobs, kernel, primitive, motion, tree] = texts.map(str::to_owned);
+    [field.reader("heap"), blobs, kernel, primitive, motion, tree]
+}
+
+/// The binding of a field's parameters.
+pub(crate) fn params_at(binding: u32) -> String {
+    format!("@group(0) @binding({binding}) var<uniform> params: Params;\n")
+}
+
+/// The whole text of a tracing shader.
+pub fn sources(kind: &ShaderKind) -> String {
+    [
+        numbers(kind),
+        params_at(0),
+        include_str!("shaders/math/two_floats.wgsl").to_owned(),
+        field_parts(kind, FIRST_CHUNK).join("\n"),
+        include_str!("shaders/intersect/solve.wgsl").to_owned(),
+        include_str!("shaders/intersect/hit.wgsl").to_owned(),
+        include_str!("shaders/intersect/particles.wgsl").to_owned(),
+        include_str!("shaders/intersect/stretches.wgsl").to_owned(),
+        include_str!("shaders/intersect/crossings.wgsl").to_owned(),
     ]
     .join("\n")
 }
 
+/// No node, blob, surface.
+pub(crate) const NONE: (&str, u32) = ("NONE", u32::MAX);
+
+/// Numbers in front of a shader.
+pub(crate) fn constants<'n>(numbers: impl IntoIterator<Item = (&'n str, u32)>) -> String {
+    let line = |(name, number)| format!("const {name}: u32 = {number}u;\n");
+    numbers.into_iter().map(line).collect()
+}
+
 fn numbers(kind: &ShaderKind) -> String {
-    let stack = kind.stack;
-    format!(
-        "const WORKGROUP: u32 = {WORKGROUP}u;\nconst STACK: u32 = {stack}u;\n\
-         const CROSSINGS: u32 = {CROSSINGS}u;\n"
-    )
+    constants([
+        NONE,
+        ("WORKGROUP", WORKGROUP),
+        ("STACK", kind.stack),
+        ("CROSSINGS", CROSSINGS),
+    ])
 }
 
 /// First binding of the field's buffers.

@@ -33,7 +33,7 @@ impl Access {
     }
 }
 
-/// Bindings of a shader, numbered from 0.
+/// Bindings of a shader.
 #[derive(Debug)]
 pub(crate) struct Bindings {
     group: wgpu::BindGroupLayout,
@@ -41,10 +41,16 @@ pub(crate) struct Bindings {
 }
 
 impl Bindings {
+    /// Those numbered from 0.
     pub(crate) fn new(device: &wgpu::Device, label: &str, accesses: &[Access]) -> Self {
-        let entries: Vec<_> = (0..)
-            .zip(accesses)
-            .map(|(binding, access)| access.layout(binding))
+        let numbered: Vec<_> = (0..).zip(accesses.iter().copied()).collect();
+        Self::at(device, label, &numbered)
+    }
+
+    /// Those with numbers of their own.
+    pub(crate) fn at(device: &wgpu::Device, label: &str, accesses: &[(u32, Access)]) -> Self {
+        let entries: Vec<_> = (accesses.iter())
+            .map(|&(binding, access)| access.layout(binding))
             .collect();
         let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(label),
@@ -58,14 +64,22 @@ impl Bindings {
         Self { group, pipeline }
     }
 
-    /// The buffers for a step.
+    /// The buffers for a step, numbered from 0.
     pub(crate) fn group<'b>(
         &self,
         device: &wgpu::Device,
         buffers: impl IntoIterator<Item = &'b wgpu::Buffer>,
     ) -> wgpu::BindGroup {
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
+        self.group_at(device, (0..).zip(buffers))
+    }
+
+    /// The buffers for a step.
+    pub(crate) fn group_at<'b>(
+        &self,
+        device: &wgpu::Device,
+        buffers: impl IntoIterator<Item = (u32, &'b wgpu::Buffer)>,
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = (buffers.into_iter())
             .map(|(binding, buffer)| wgpu::BindGroupEntry {
                 binding,
                 resource: buffer.as_entire_binding(),

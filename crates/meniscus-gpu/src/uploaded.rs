@@ -177,6 +177,11 @@ impl Uploaded {
         self.params
     }
 
+    /// What its shader is made for.
+    pub(crate) fn kind(&self) -> ShaderKind {
+        self.kind
+    }
+
     /// The shader that traces it.
     pub(crate) fn program(&self, device: &Device) -> Arc<Program> {
         device.programs.get(device, self.kind)
@@ -256,7 +261,7 @@ impl Uploaded {
     }
 
     /// A ray as the shader reads it.
-    fn record(&self, ray: &Ray, clipped: &ClippedRay) -> RayRecord {
+    pub(crate) fn record(&self, ray: &Ray, clipped: &ClippedRay) -> RayRecord {
         let starts_at = clipped.starts_at_t_min;
         let side = match ray.side {
             Side::Inside => STARTS_INSIDE,

@@ -3,8 +3,8 @@
 use meniscus::kernel::Kernel;
 use meniscus::scene::{IntegratorKind, PeelVariant};
 use meniscus_gpu::{
-    BuildKind, BuildStep, Clipping, PeelKind, PeelModule, ShaderKind, StageModule, peel_sources,
-    sources,
+    BuildKind, BuildStep, Clipping, PeelKind, PeelModule, ShaderKind, StageModule,
+    attribute_sources, peel_sources, sources,
 };
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -118,6 +118,22 @@ fn stages_are_valid() {
     }
 }
 
+#[test]
+fn those_that_blend_attributes_are_valid() {
+    for kind in kinds() {
+        for columns in [1, 8] {
+            let text = attribute_sources(&kind, columns);
+            let parsed = naga::front::wgsl::parse_str(&text)
+                .unwrap_or_else(|error| panic!("{kind:?}: {}", error.emit_to_string(&text)));
+            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+            if let Err(error) = validator.validate(&parsed) {
+                panic!("{kind:?}: {}", error.emit_to_string(&text));
+            }
+            assert_eq!(parsed.entry_points.len(), 1);
+        }
+    }
+}
+
 /// Records are written as plain words: these are the places that the host counts on.
 #[test]
 fn structs_lie_as_the_host_writes_them() {
@@ -150,6 +166,7 @@ fn structs_of_stages_lie_as_the_host_writes_them() {
     assert_eq!(offsets_in(&surfaces, "State").1, 112);
     let whitted = parsed(StageModule::Integrator(IntegratorKind::Whitted));
     assert_eq!(offsets_in(&whitted, "Branch").1, 96);
+    assert_eq!(offsets_in(&whitted, "Look").1, 48);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! round by round, and come back when they are done. Samples with a ray that f32 cannot decide are marked
 //! and done by the processor, whole.
 
+mod blend;
 mod picture;
 mod programs;
 mod sources;
@@ -9,7 +10,7 @@ mod sources;
 mod twin_tests;
 mod wave;
 
-pub use sources::StageModule;
+pub use sources::{StageModule, attribute_sources};
 
 pub(crate) use programs::StagePrograms;
 
@@ -18,6 +19,8 @@ use crate::error::GpuError;
 use crate::frame::FrameTracer;
 use crate::tracer::TraceWork;
 use crate::uploaded::Uploaded;
+use blend::Blend;
+use glam::DVec3;
 use meniscus::intersect::TraceError;
 use meniscus::render::{SampleBlock, SampleRun, SampleStages, StagedPicture, StagedSample};
 use meniscus::scene::IntegratorKind;
@@ -36,12 +39,41 @@ const LONGEST_ROUND: Duration = Duration::from_millis(400);
 /// No fewer samples go together, however long they take.
 const LEAST_SAMPLES: u64 = 1 << 10;
 
+/// A blob surface on the device.
+struct Field<'s> {
+    /// Its instance.
+    surface: u32,
+    /// Where the field's origin lies, relative to that of the stages.
+    offset: DVec3,
+    uploaded: &'s Uploaded,
+    /// Where its looks follow attributes.
+    blend: Option<Blend>,
+}
+
+impl<'s> Field<'s> {
+    fn new(device: &Device, field: &StagedField, uploaded: &'s Uploaded) -> Result<Self, Unstaged> {
+        let columns = Some(&field.columns).filter(|columns| columns.per_particle > 0);
+        let blend = columns
+            .map(|columns| match Blend::new(device, uploaded, columns) {
+                Ok(Some(blend)) => Ok(blend),
+                Ok(None) | Err(_) => Err(Unstaged::Room),
+            })
+            .transpose()?;
+        Ok(Self {
+            surface: field.surface,
+            offset: field.offset,
+            uploaded,
+            blend,
+        })
+    }
+}
+
 /// A picture on the device.
 struct Run<'s> {
     tracer: &'s FrameTracer<'s>,
     picture: PictureRecord,
     words: wgpu::Buffer,
-    fields: Vec<(StagedField, &'s Uploaded)>,
+    fields: Vec<Field<'s>>,
     integrator: Arc<wgpu::ComputePipeline>,
     shape: Shape,
     rounds: Rounds,
@@ -125,7 +157,9 @@ impl SampleStages for FrameTracer<'_> {
         for field in &shading.fields {
             let tracer = self.uploaded(field.geometry).ok_or(Unstaged::Room)?;
             // Nothing to hit: no stage.
-            fields.extend(tracer.map(|uploaded| (*field, uploaded)));
+            if let Some(uploaded) = tracer {
+                fields.push(Field::new(device, field, uploaded)?);
+            }
         }
         let kind = shading.integrator.kind;
         let branches = match kind {
@@ -136,6 +170,7 @@ impl SampleStages for FrameTracer<'_> {
             capacity: wave::capacity(device, branches).ok_or(Unstaged::Room)?,
             light_walks: shading.light_walks,
             branches,
+            varies: fields.iter().any(|field: &Field<'_>| field.blend.is_some()),
         };
         let picture = PictureRecord::new(picture);
         let bytes: &[u8] = bytemuck::cast_slice(&picture.words);

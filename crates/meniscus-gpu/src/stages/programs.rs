@@ -1,5 +1,6 @@
 //! The stages' pipelines, compiled when they are first needed and kept with the device.
 
+use super::blend::BlendPrograms;
 use super::sources::StageModule;
 use crate::device::Device;
 use crate::stage::{Access, Bindings};
@@ -41,6 +42,7 @@ pub(crate) struct Common {
 pub(crate) struct StagePrograms {
     common: OnceLock<Common>,
     integrators: Mutex<HashMap<IntegratorKind, Arc<wgpu::ComputePipeline>>>,
+    pub(super) blends: BlendPrograms,
 }
 
 fn compiled(device: &wgpu::Device, module: StageModule) -> wgpu::ShaderModule {

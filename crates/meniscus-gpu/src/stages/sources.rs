@@ -1,9 +1,12 @@
 //! The stages' shaders, put together from files that are named as their CPU twins.
 
-use crate::shader::WORKGROUP;
+use super::blend::FIRST_CHUNK;
+use crate::shader::{NONE, ShaderKind, WORKGROUP, constants, field_parts, params_at};
 use meniscus::render::STRIP_ROWS;
 use meniscus::scene::IntegratorKind;
-use meniscus::shade::{ALBEDO_ENTRIES, EMITTER_WORDS, MATERIAL_WORDS, SURFACE_WORDS};
+use meniscus::shade::{
+    ALBEDO_ENTRIES, EMITTER_WORDS, MAP_ENTRIES, MATERIAL_WORDS, NO_NUMBER, SURFACE_WORDS,
+};
 
 /// Steps of the pixel filter's table.
 pub(crate) const FILTER_STEPS: u32 = 1025;
@@ -32,19 +35,21 @@ const BEGIN: [&str; 2] = [
     include_str!("../shaders/shade/begin.wgsl"),
 ];
 
-const SURFACES: [&str; 2] = [
+const SURFACES: [&str; 3] = [
+    include_str!("../shaders/intersect/place.wgsl"),
     include_str!("../shaders/intersect/solids.wgsl"),
     include_str!("../shaders/intersect/clip.wgsl"),
 ];
 
 /// What all integrators have.
-const SHADING: [&str; 7] = [
+const SHADING: [&str; 8] = [
     include_str!("../shaders/shade/light/lights.wgsl"),
     include_str!("../shaders/shade/light/sun.wgsl"),
     include_str!("../shaders/shade/light/sky.wgsl"),
     include_str!("../shaders/shade/light/sphere.wgsl"),
     include_str!("../shaders/shade/light/rectangle.wgsl"),
     include_str!("../shaders/shade/light/environment.wgsl"),
+    include_str!("../shaders/shade/varying.wgsl"),
     include_str!("../shaders/shade/end.wgsl"),
 ];
 
@@ -65,6 +70,15 @@ const SCATTERING: [&str; 14] = [
     include_str!("../shaders/shade/world.wgsl"),
     include_str!("../shaders/shade/heard.wgsl"),
 ];
+
+/// What the stage has that blends attributes, and its parameters' binding.
+const ATTRIBUTES: [&str; 4] = [
+    include_str!("../shaders/shade/light/drawn.wgsl"),
+    include_str!("../shaders/shade/medium.wgsl"),
+    include_str!("../shaders/intersect/place.wgsl"),
+    include_str!("../shaders/shade/attributes.wgsl"),
+];
+const PARAMS: u32 = 12;
 
 const SHADED: [&str; 2] = [
     include_str!("../shaders/shade/gloss.wgsl"),
@@ -104,18 +118,37 @@ impl StageModule {
 
     /// Its whole text.
     pub fn sources(self) -> String {
-        let numbers = [
-            ("WORKGROUP", WORKGROUP),
-            ("SURFACE_WORDS", SURFACE_WORDS),
-            ("MATERIAL_WORDS", MATERIAL_WORDS),
-            ("EMITTER_WORDS", EMITTER_WORDS),
-            ("STRIP_ROWS", STRIP_ROWS),
-            ("FILTER_STEPS", FILTER_STEPS),
-            ("ALBEDO_ENTRIES", ALBEDO_ENTRIES),
-        ];
-        let numbers = numbers.map(|(name, number)| format!("const {name}: u32 = {number}u;\n"));
         let texts = COMMON.iter().chain(self.parts().into_iter().flatten());
         let texts: Vec<&str> = texts.copied().collect();
-        numbers.concat() + &texts.join("\n")
+        numbers() + &texts.join("\n")
     }
+}
+
+fn numbers() -> String {
+    constants([
+        NONE,
+        ("WORKGROUP", WORKGROUP),
+        ("SURFACE_WORDS", SURFACE_WORDS),
+        ("MATERIAL_WORDS", MATERIAL_WORDS),
+        ("EMITTER_WORDS", EMITTER_WORDS),
+        ("STRIP_ROWS", STRIP_ROWS),
+        ("FILTER_STEPS", FILTER_STEPS),
+        ("ALBEDO_ENTRIES", ALBEDO_ENTRIES),
+    ])
+}
+
+/// The whole text of the stage that blends `columns` numbers of a field's particles.
+pub fn attribute_sources(kind: &ShaderKind, columns: u32) -> String {
+    let own = constants([
+        ("STACK", kind.stack),
+        ("COLUMNS", columns),
+        ("MAP_ENTRIES", MAP_ENTRIES),
+        ("NO_NUMBER", NO_NUMBER),
+    ]);
+    let field = field_parts(kind, FIRST_CHUNK);
+    let texts = COMMON.iter().chain(&SHADING).chain(&ATTRIBUTES);
+    let texts: Vec<&str> = (field.iter().map(String::as_str))
+        .chain(texts.copied())
+        .collect();
+    numbers() + &own + &params_at(PARAMS) + &texts.join("\n")
 }

@@ -1,5 +1,6 @@
 //! Samples under way on the device: their buffers, and the rounds in which they ask and are told.
 
+use super::Field;
 use super::picture::PICTURE_BYTES;
 use super::programs::{Common, STAGE_BUFFERS};
 use crate::batch::MET_BLOB_BYTES;
@@ -9,10 +10,10 @@ use crate::program::{Program, Question};
 use crate::readback::{self, Clock, TIME_BYTES};
 use crate::shader::WORKGROUP;
 use crate::stage::dispatch;
-use crate::uploaded::{CAPACITIES, Uploaded};
+use crate::uploaded::CAPACITIES;
 use glam::DVec3;
 use meniscus::render::{StagedHit, StagedSample};
-use meniscus::shade::{RayCounts, StagedField};
+use meniscus::shade::RayCounts;
 use std::sync::Arc;
 
 /// Bytes of a sample's state, its two questions, its two answers, what it saw, a ray, its owner, its hit:
@@ -24,6 +25,8 @@ const SEEN_BYTES: u64 = 48;
 const RAY_BYTES: u64 = 64;
 const OWNER_BYTES: u64 = 8;
 const HIT_BYTES: u64 = 32;
+/// Of `shaders/shade/varying.wgsl`.
+const LOOK_BYTES: u64 = 48;
 /// Bytes of a branch of `whitted` (`shaders/shade/integrator/whitted.wgsl`), and most that wait per sample.
 const BRANCH_BYTES: u64 = 96;
 const MOST_BRANCHES: u64 = 8;
@@ -45,6 +48,7 @@ const MOST_ON_SOFTWARE: u64 = 1 << 14;
 struct Asked {
     question: Question,
     /// `FieldPlace`.
+    place: wgpu::Buffer,
     group: wgpu::BindGroup,
     params: wgpu::Buffer,
     trace: wgpu::BindGroup,
@@ -61,6 +65,8 @@ pub(crate) struct Wave {
     group: wgpu::BindGroup,
     /// By field: about first surfaces, and about lights.
     asked: Vec<[Asked; 2]>,
+    /// Of the fields whose looks follow attributes: the stage and its buffers.
+    blends: Vec<(wgpu::ComputePipeline, wgpu::BindGroup)>,
     capacity: u64,
 }
 
@@ -73,6 +79,8 @@ pub(crate) struct Shape {
     pub(crate) light_walks: bool,
     /// Branches of each sample that wait; those of samples with more are the processor's.
     pub(crate) branches: u64,
+    /// Whether looks follow attributes.
+    pub(crate) varies: bool,
 }
 
 /// Branches that wait in a tree as deep as this.
@@ -100,7 +108,7 @@ impl Wave {
         device: &Device,
         common: &Common,
         words: &wgpu::Buffer,
-        fields: &[(StagedField, &Uploaded)],
+        fields: &[Field<'_>],
         shape: Shape,
     ) -> Result<Self, GpuError> {
         use wgpu::BufferUsages as Usage;
@@ -108,7 +116,9 @@ impl Wave {
             capacity,
             light_walks,
             branches,
+            varies,
         } = shape;
+        let looks = if varies { 2 * capacity } else { 1 };
         let met = capacity * u64::from(CAPACITIES[0]);
         let per_sample = STATE_BYTES
             + 2 * (QUESTION_BYTES + ANSWER_BYTES + SEEN_BYTES)
@@ -116,7 +126,7 @@ impl Wave {
             + OWNER_BYTES
             + HIT_BYTES
             + branches * BRANCH_BYTES;
-        let bytes = capacity * per_sample + met * (MET_BLOB_BYTES + 4);
+        let bytes = capacity * per_sample + met * (MET_BLOB_BYTES + 4) + looks * LOOK_BYTES;
         let buffer = |label, size, usage| {
             device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -149,16 +159,19 @@ impl Wave {
                 capacity * SEEN_BYTES + COUNTER_BYTES + 4 + TIME_BYTES,
                 Usage::MAP_READ | Usage::COPY_DST,
             );
-            let bound = |place: &wgpu::Buffer| {
+            let looks = storage("looks", looks * LOOK_BYTES);
+            let bound = |place: &wgpu::Buffer, rays: &wgpu::Buffer| {
                 let buffers = [
-                    &picture, words, &states, &questions, &answers, &seen, &counters, place, &rays,
+                    &picture, words, &states, &questions, &answers, &seen, &counters, place, rays,
                     &owners, &hits, &branches,
                 ];
                 common.bindings.group(&device.device, buffers)
             };
-            let ask = |field: &StagedField, uploaded: &Uploaded, (kind, question)| {
+            let mut blends = Vec::new();
+            let ask = |field: &Field<'_>, (kind, question)| {
+                let uploaded = field.uploaded;
                 let place = uniform("place", PLACE_BYTES);
-                let record = place_record(field, uploaded, kind);
+                let record = place_record(field, kind);
                 (device.queue).write_buffer(&place, 0, bytemuck::cast_slice(&record));
                 let params = uniform("params", PARAMS_BYTES);
                 let mut numbers = uploaded.params();
@@ -168,23 +181,34 @@ impl Wave {
                 let buffers = [&params, &rays, &hits, &lists[0], &lists[1]];
                 Asked {
                     question,
-                    group: bound(&place),
+                    group: bound(&place, &rays),
+                    place,
                     trace: uploaded.bound(device, &program, buffers),
                     params,
                     program,
                 }
             };
-            let asked = fields.iter().map(|(field, uploaded)| {
+            let asked = fields.iter().map(|field| {
                 // Light that passes clear surfaces has to know which.
                 let for_lights = match light_walks {
                     true => Question::First,
                     false => Question::Any,
                 };
-                [(0, Question::First), (1, for_lights)].map(|asked| ask(field, uploaded, asked))
+                let asked = [(0, Question::First), (1, for_lights)].map(|asked| ask(field, asked));
+                if let Some(blend) = &field.blend {
+                    let [Asked { place, params, .. }, _] = &asked;
+                    let shared = [
+                        &picture, words, &states, &questions, &answers, place, &looks, params,
+                    ];
+                    let group = blend.group(device, field.uploaded, shared);
+                    blends.push((blend.pipeline().clone(), group));
+                }
+                asked
             });
             Self {
                 asked: asked.collect(),
-                group: bound(&uniform("place", PLACE_BYTES)),
+                blends,
+                group: bound(&uniform("place", PLACE_BYTES), &looks),
                 clock: Clock::new(device),
                 picture,
                 seen,
@@ -269,6 +293,10 @@ impl Wave {
                 pass(&mut encoder, trace, &asked.trace);
                 pass(&mut encoder, &common.merge, &asked.group);
             }
+        }
+        for (pipeline, group) in &self.blends {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            dispatch(device, &mut pass, pipeline, group, groups);
         }
         self.stage(device, &mut encoder, integrator, groups, None);
         device.count_batch();
@@ -372,7 +400,8 @@ fn sample_of(record: &[u32; 12]) -> StagedSample {
 }
 
 /// `FieldPlace` in `shaders/intersect/clip.wgsl`.
-fn place_record(field: &StagedField, uploaded: &Uploaded, kind: u32) -> [u32; 16] {
+fn place_record(field: &Field<'_>, kind: u32) -> [u32; 16] {
+    let uploaded = field.uploaded;
     let high = field.offset.as_vec3();
     let low: DVec3 = field.offset - high.as_dvec3();
     let bounds = uploaded.bounds();

@@ -2,6 +2,7 @@
 //! where `MENISCUS_REQUIRE_GPU=1`, as in CI, they fail.
 
 mod agreement;
+mod attributes;
 mod build;
 mod common;
 mod crossings;

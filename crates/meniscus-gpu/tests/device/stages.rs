@@ -4,6 +4,7 @@ use crate::common::device;
 use crate::pictures::{check_budget, picture};
 use glam::DVec3;
 use meniscus::accel::Engine;
+use meniscus::field::BlobField;
 use meniscus::film::{ChannelSet, Film, PlaneData};
 use meniscus::frame::{Environment, Frame, FrameSettings, Light};
 use meniscus::kernel::Kernel;
@@ -12,8 +13,10 @@ use meniscus::render::{
 };
 use meniscus::scene::camera::Camera;
 use meniscus::scene::{Background, IntegratorKind, Scene};
+use meniscus::shade::frame_attributes;
 use meniscus_gpu::{Device, FrameTracer, Takeover};
 use meniscus_testing::corpus;
+use meniscus_testing::image::Picture;
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [64, 48];
@@ -34,8 +37,11 @@ fn image() -> Light {
 
 /// A scene's text, with particles of a set of the corpus as its surface.
 fn frame_of(text: &str, set: &str) -> (Scene, Frame) {
+    frame_with(text, corpus::scene(set, Kernel::Sextic, 400).field)
+}
+
+fn frame_with(text: &str, field: BlobField) -> (Scene, Frame) {
     let scene = meniscus::scene::file::parse(text, "test").expect("the scene is sound");
-    let field = corpus::scene(set, Kernel::Sextic, 400).field;
     let settings = FrameSettings {
         engine: Engine::Cells,
         ..FrameSettings::default()
@@ -44,14 +50,15 @@ fn frame_of(text: &str, set: &str) -> (Scene, Frame) {
     (scene, frame)
 }
 
-fn settings(scene: &Scene) -> RenderSettings {
+fn settings(scene: &Scene, frame: &Frame) -> RenderSettings {
     RenderSettings {
         spp: scene.film.spp,
         integrator: scene.integrator.clone(),
         background: scene.film.background.unwrap_or_default(),
         shutter_secs: scene.motion.shutter_secs(),
         channels: Arc::new(
-            ChannelSet::new(&["all".to_owned()], &[]).expect("all channels are there"),
+            ChannelSet::new(&["all".to_owned()], &frame_attributes(frame))
+                .expect("all channels are there"),
         ),
         ..RenderSettings::default()
     }
@@ -61,8 +68,14 @@ fn rendered(backend: &dyn Backend, scene: &Scene, frame: &Frame) -> (Film, Rende
     let camera = Camera::from_settings(&scene.camera, frame.framing_bounds(), SIZE)
         .expect("the camera sees something");
     let state = RenderState::new();
-    (backend.render(frame, &camera, &settings(scene), &state, &Progress::none()))
-        .expect("the device works")
+    (backend.render(
+        frame,
+        &camera,
+        &settings(scene, frame),
+        &state,
+        &Progress::none(),
+    ))
+    .expect("the device works")
 }
 
 /// Samples of the whole picture, and how many of them the processor did.
@@ -80,9 +93,21 @@ fn on_device(device: &Device, scene: &Scene, frame: &Frame) -> (Film, RenderStat
     }
 }
 
-#[expect(clippy::print_stderr, reason = "how many samples went where")]
 fn check(device: &Device, what: &str, text: &str, set: &str, lights: &[Light]) {
-    let (scene, mut frame) = frame_of(text, set);
+    let field = corpus::scene(set, Kernel::Sextic, 400).field;
+    check_field(device, what, text, field, lights);
+}
+
+/// The pictures of `field` as the surface of a scene's text, by the device's stages and by the CPU.
+#[expect(clippy::print_stderr, reason = "how many samples went where")]
+pub(crate) fn check_field(
+    device: &Device,
+    what: &str,
+    text: &str,
+    field: BlobField,
+    lights: &[Light],
+) -> Picture {
+    let (scene, mut frame) = frame_with(text, field);
     frame.lights.extend_from_slice(lights);
     let (ours, stats, [samples, on_cpu]) = on_device(device, &scene, &frame);
     eprintln!("{what}: {samples} samples, {on_cpu} by the processor");
@@ -115,8 +140,14 @@ fn check(device: &Device, what: &str, text: &str, set: &str, lights: &[Light]) {
         let differ = planes[0].iter().zip(&planes[1]).filter(|(a, b)| a != b);
         assert!(differ.count() * 250 < pixels as usize, "{what}: {name}");
     }
-    for name in ["Z", "P.X", "N.X", "N.Y"] {
-        let planes = [&ours, &theirs].map(|film| match film.plane_named(name) {
+    let attributes = (frame.blobs()).flat_map(|blobs| &blobs.field.attributes);
+    let attributes = attributes.map(|attribute| match attribute.components {
+        1 => attribute.name.clone(),
+        _ => format!("{}.X", attribute.name),
+    });
+    let names = ["Z", "P.X", "N.X", "N.Y"].map(str::to_owned);
+    for name in names.into_iter().chain(attributes) {
+        let planes = [&ours, &theirs].map(|film| match film.plane_named(&name) {
             Some(PlaneData::F32(plane)) => plane,
             other => panic!("{name}: {other:?}"),
         });
@@ -126,12 +157,13 @@ fn check(device: &Device, what: &str, text: &str, set: &str, lights: &[Light]) {
         });
         assert!(differ.count() * 250 < pixels as usize, "{what}: {name}");
     }
+    picture(&ours)
 }
 
-const SURFACE: &str = "[[surface]]\nfile = \"set.npy\"\n";
-const SUN_AND_SKY: &str =
+pub(crate) const SURFACE: &str = "[[surface]]\nfile = \"set.npy\"\n";
+pub(crate) const SUN_AND_SKY: &str =
     "[[light]]\ntype = \"sun\"\ndirection = [1, 2, 1.5]\n[[light]]\ntype = \"sky\"\n";
-const LAMPS: &str = "
+pub(crate) const LAMPS: &str = "
 [[light]]
 type = \"point\"
 position = [1.5, 2, 1]
@@ -151,7 +183,7 @@ type = \"constant\"
 intensity = 0.1
 ";
 /// A ball of every kind of look beside the particles.
-const BALLS: &str = "
+pub(crate) const BALLS: &str = "
 [material.metal]
 type = \"metal\"
 roughness = 0.3
@@ -197,7 +229,7 @@ material = \"frosted\"
 [ground]
 ";
 
-fn with(integrator: &str, spp: u32, parts: &[&str]) -> String {
+pub(crate) fn with(integrator: &str, spp: u32, parts: &[&str]) -> String {
     format!(
         "[integrator]\n{integrator}\n[film]\nspp = {spp}\n{}",
         parts.concat()
@@ -311,7 +343,7 @@ fn pictures_are_the_same_every_time_and_in_parts() {
     let mut merged = Film::new(
         SIZE,
         meniscus::film::Region::full(SIZE[0], SIZE[1]),
-        settings(&scene).channels,
+        settings(&scene, &frame).channels,
         Background::default(),
     )
     .expect("it fits");
@@ -325,7 +357,7 @@ fn pictures_are_the_same_every_time_and_in_parts() {
                     height: SIZE[1],
                 }),
                 samples: Some(samples),
-                ..settings(&scene)
+                ..settings(&scene, &frame)
             };
             let (film, _) = backend
                 .render(

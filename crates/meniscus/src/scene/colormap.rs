@@ -108,6 +108,11 @@ impl ColorTable {
     /// Number of entries: the resolution at which the perceptual maps are published.
     pub const ENTRIES: usize = 256;
 
+    /// All entries.
+    pub fn entries(&self) -> &[[f32; 3]] {
+        &self.entries
+    }
+
     /// The linear colour at `t`, interpolated; below 0 and above 1 the ends, NaN the start.
     pub fn at(&self, t: f32) -> [f32; 3] {
         let last = self.entries.len() - 1;

@@ -20,6 +20,6 @@ pub use light::Sky;
 pub use probe::Drawn;
 pub use rays::{EyeRays, RayCounts, Seen, ShadeScratch};
 pub use stages::{
-    ALBEDO_ENTRIES, AMBIENT_WORDS, EMITTER_WORDS, MATERIAL_WORDS, MOST_SURFACES, SURFACE_WORDS,
-    StagedField, StagedShading, Unstaged,
+    ALBEDO_ENTRIES, AMBIENT_WORDS, EMITTER_WORDS, MAP_ENTRIES, MATERIAL_WORDS, MOST_COLUMNS,
+    MOST_SURFACES, NO_NUMBER, SURFACE_WORDS, StagedColumns, StagedField, StagedShading, Unstaged,
 };

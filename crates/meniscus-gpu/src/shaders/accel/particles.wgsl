@@ -5,7 +5,6 @@
 // (centre, count), (β of what is too fine for f32, –, –, –), then sixteen blobs.
 
 const LEAF: u32 = 0x80000000u;
-const NONE: u32 = 0xffffffffu;
 const CHILDREN_AT: u32 = 12u;
 const NODE_WORDS: u32 = CHILDREN_AT + 2u + CLOSING_WORDS;
 const LANES: u32 = 16u;

@@ -17,8 +17,6 @@ struct Params {
     capacity: u32,
 }
 
-@group(0) @binding(0) var<uniform> params: Params;
-
 // 1 − q(s) = g₀ − β(s − c)² along a line.
 struct AlongLine {
     c: f32,

@@ -65,7 +65,6 @@ struct Picture {
 
 // Stands for infinity.
 const FAR: f32 = 3e38;
-const NONE: u32 = 0xffffffffu;
 
 fn is_far(x: f32) -> bool {
     return x > 1e38;
@@ -103,18 +102,28 @@ struct Material {
     dense_table: u32,
     priority: f32,
     is_medium: bool,
+    varies: u32,
+}
+
+// In `varies`: colour or roughness follow particles' attributes; absorption does.
+const LOOK_VARIES: u32 = 1u;
+const ABSORPTION_VARIES: u32 = 2u;
+
+fn material_word(surface: u32) -> u32 {
+    return picture.materials_at + u32(words[surface_word(surface)].y) * MATERIAL_WORDS;
 }
 
 fn material_of(surface: u32) -> Material {
-    let at = picture.materials_at + u32(words[surface_word(surface)].y) * MATERIAL_WORDS;
+    let at = material_word(surface);
     let color = words[at];
     let inside = words[at + 1u];
+    let gloss = words[at + 2u];
     let scattering = words[at + 3u];
     let rest = words[at + 4u];
     return Material(
-        color.xyz, color.w, inside.xyz, inside.w, words[at + 2u].xyz,
+        color.xyz, color.w, inside.xyz, inside.w, gloss.xyz,
         u32(scattering.x), scattering.y, scattering.z, scattering.w,
-        u32(rest.x), u32(rest.y), rest.z, rest.w > 0.5,
+        u32(rest.x), u32(rest.y), rest.z, rest.w > 0.5, u32(gloss.w),
     );
 }
 

@@ -22,27 +22,12 @@ struct HitRecord {
     is_entering: u32,
 }
 
-struct FieldPlace {
-    // The field's origin relative to that of the stages, as a sum of two f32.
-    offset: vec3f,
-    surface: u32,
-    offset_low: vec3f,
-    // 0: first surfaces, 1: lights.
-    kind: u32,
-    // Local box around all supports; when the field's shutter opens and closes.
-    lower: vec3f,
-    open: f32,
-    upper: vec3f,
-    close: f32,
-}
-
 // Whose a ray is, and how far along the question it begins.
 struct Owner {
     question: u32,
     enter: f32,
 }
 
-@group(0) @binding(7) var<uniform> field_place: FieldPlace;
 @group(0) @binding(8) var<storage, read_write> local_rays: array<LocalRay>;
 @group(0) @binding(9) var<storage, read_write> owners: array<Owner>;
 @group(0) @binding(10) var<storage, read_write> hits: array<HitRecord>;

@@ -60,13 +60,17 @@ fn emission_scale(stack: u32) -> f32 {
     return 1.0 / (ior * ior);
 }
 
-// What is left of light behind a way through what fills the place (Beer and Lambert).
-fn absorbed(stack: u32, distance: f32) -> vec3f {
+// What is left of light behind a question's way through what fills the place (Beer and Lambert).
+fn absorbed(place: u32, stack: u32, distance: f32) -> vec3f {
     let surface = filling(stack);
     if surface == NONE {
         return vec3f(1.0);
     }
-    let coefficients = material_of(surface).absorption;
+    let material = material_of(surface);
+    var coefficients = material.absorption;
+    if (material.varies & ABSORPTION_VARIES) != 0u {
+        coefficients = looks[place].along;
+    }
     let left = exp(-coefficients * distance);
     return select(vec3f(1.0), left, coefficients > vec3f(0.0));
 }

@@ -104,7 +104,7 @@ fn reach_step(index: u32, given: Reach, straight: bool) -> Reach {
     let answer = answers[at];
     var reach = given;
     if answer.surface == NONE {
-        reach.part *= absorbed(reach.media, question.t_max) * emission_scale(reach.media);
+        reach.part *= absorbed(at, reach.media, question.t_max) * emission_scale(reach.media);
         reach.outcome = REACH_ARRIVED;
         return reach;
     }
@@ -112,13 +112,13 @@ fn reach_step(index: u32, given: Reach, straight: bool) -> Reach {
     if picture.light_walks == 0u {
         return reach;
     }
-    let material = material_of(answer.surface);
+    let material = material_at(at);
     let contact = contact_of(answer, material, reach.media, question.origin);
     if contact.is_in_doubt {
         reach.outcome = REACH_IN_DOUBT;
         return reach;
     }
-    reach.part *= absorbed(reach.media, answer.t);
+    reach.part *= absorbed(at, reach.media, answer.t);
     if contact.is_boundary {
         if material.scattering == SHEET {
             reach.part *= sheet_at(answer, material, question.direction, reach.media).transmitted;

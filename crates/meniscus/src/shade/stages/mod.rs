@@ -1,21 +1,23 @@
 //! What a device is told whose own stages shade: a frame's looks and lights, and what they leave here.
 
 mod unstaged;
+mod varying;
 mod words;
 
 pub use unstaged::{MOST_SURFACES, Unstaged};
+pub use varying::{MAP_ENTRIES, MOST_COLUMNS, NO_NUMBER, StagedColumns};
 pub use words::{ALBEDO_ENTRIES, AMBIENT_WORDS, EMITTER_WORDS, MATERIAL_WORDS, SURFACE_WORDS};
 
 use super::Shader;
 use super::integrator::Gathered;
 use super::rays::{Seen, ShadeScratch};
-use crate::frame::{BaseColor, Light};
+use crate::frame::Light;
 use crate::intersect::Hit;
 use crate::scene::{Background, IntegratorKind, IntegratorSettings};
 use glam::{DVec3, Vec3};
 
 /// A blob surface of the frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StagedField {
     /// Its instance.
     pub surface: u32,
@@ -23,6 +25,8 @@ pub struct StagedField {
     pub geometry: u32,
     /// Where the field's origin lies, relative to [`StagedShading::origin`].
     pub offset: DVec3,
+    /// What its looks follow.
+    pub columns: StagedColumns,
 }
 
 /// A frame's looks and lights, as stages read them.
@@ -70,20 +74,22 @@ impl Shader<'_> {
     pub fn staged(&self) -> Result<StagedShading, Unstaged> {
         let frame = self.world.frame;
         self.check_stages()?;
-        let fields = |origin: DVec3| {
-            let instances = frame.instances.iter().enumerate();
-            instances.filter_map(move |(surface, instance)| {
-                let blobs = frame.geometries[instance.geometry as usize].blobs()?;
-                let place = blobs.field.origin + instance.world_from_object.translation;
-                Some(StagedField {
-                    surface: surface as u32,
-                    geometry: instance.geometry,
-                    offset: place - origin,
-                })
-            })
-        };
-        let origin = fields(DVec3::ZERO).next().ok_or(Unstaged::NoBlobs)?.offset;
-        let fields = fields(origin).collect();
+        let mut fields: Vec<StagedField> = Vec::new();
+        for (surface, instance) in (0..).zip(&frame.instances) {
+            let Some(blobs) = frame.geometries[instance.geometry as usize].blobs() else {
+                continue;
+            };
+            fields.push(StagedField {
+                surface,
+                geometry: instance.geometry,
+                offset: blobs.field.origin + instance.world_from_object.translation,
+                columns: self.columns(surface)?,
+            });
+        }
+        let origin = fields.first().ok_or(Unstaged::NoBlobs)?.offset;
+        for field in &mut fields {
+            field.offset -= origin;
+        }
         let (words, places) = self.staged_words(origin)?;
         let hard_lights = frame.lights.iter().filter(|light| is_hard(light)).count();
         let media = self
@@ -124,14 +130,10 @@ impl Shader<'_> {
         scratch: &mut ShadeScratch,
     ) -> Seen {
         scratch.attributes.time_secs = time_secs;
-        let color = |hit: &Hit| match self.world.material(hit.surface).0.base {
-            BaseColor::Constant(color) => Vec3::from_array(color),
-            // Stages do not begin with those.
-            BaseColor::Attribute(_) | BaseColor::Direct(_) => Vec3::ZERO,
-        };
+        let first = hit.map(|hit| (hit, self.world.look(&hit, scratch).0));
         let gathered = Gathered {
             radiance,
-            first: hit.map(|hit| (hit, color(&hit))),
+            first,
             is_covered,
         };
         self.seen(&gathered, scratch)

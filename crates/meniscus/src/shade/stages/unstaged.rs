@@ -1,7 +1,8 @@
 //! What stages do not know.
 
 use super::Shader;
-use crate::frame::{BaseColor, Geometry, Instance, Material};
+use super::varying::MOST_COLUMNS;
+use crate::frame::{Geometry, Instance};
 use glam::DMat3;
 use thiserror::Error;
 
@@ -32,8 +33,8 @@ pub enum Unstaged {
     /// An eye from which all is at one distance.
     #[error("the camera is more than a thousand times as far away as the scene is large")]
     FarEye,
-    /// Looks that vary over a surface.
-    #[error("particles' attributes colour surfaces")]
+    /// Looks that follow more numbers of particles than stages keep.
+    #[error("a surface's looks follow more than {MOST_COLUMNS} numbers of its particles")]
     Attributes,
     /// Wider highlights.
     #[error("specular_antialiasing is on")]
@@ -65,15 +66,6 @@ impl Shader<'_> {
     pub(super) fn check_stages(&self) -> Result<(), Unstaged> {
         let frame = self.world.frame;
         let integrator = &self.settings.integrator;
-        let varies = |material: &Material| {
-            !matches!(material.base, BaseColor::Constant(_))
-                || material.roughness_by.is_some()
-                || (material.kind.is_clear() && material.absorption.constant().is_none())
-        };
-        let used = || {
-            let instances = frame.instances.iter();
-            instances.map(|instance| &frame.materials[instance.material as usize])
-        };
         let turns = |geometry: &Geometry| {
             let motion = geometry
                 .blobs()
@@ -102,7 +94,6 @@ impl Shader<'_> {
                 Unstaged::Turned,
             ),
             (frame.geometries.iter().any(turns), Unstaged::TurningBlobs),
-            (used().any(varies), Unstaged::Attributes),
             (
                 integrator.specular_antialiasing,
                 Unstaged::SpecularAntialiasing,

@@ -3,8 +3,9 @@
 //! What each word holds stands here, beside the code that writes it; the device's twin is
 //! `shaders/frame/looks.wgsl` of `meniscus-gpu`. Numbers that count or choose are written as floats.
 
+use super::varying::Varying;
 use super::{Shader, Unstaged};
-use crate::frame::{BaseColor, Frame, Geometry, Instance, Material};
+use crate::frame::{BaseColor, Frame, Geometry, Instance};
 use crate::shade::bsdf::{self, AlbedoTable};
 use crate::shade::light::{Emitter, Sky};
 use crate::shade::world::Prepared;
@@ -17,7 +18,7 @@ const MOST_WORDS: u32 = 1 << 24;
 /// (–, –, –, low part of the height), of a sphere (centre, radius), (low part of the centre, –).
 pub const SURFACE_WORDS: u32 = 3;
 /// Words per material.
-pub const MATERIAL_WORDS: u32 = 5;
+pub const MATERIAL_WORDS: u32 = 11;
 /// Words per light.
 pub const EMITTER_WORDS: u32 = 5;
 /// Entries along each side of a table of what rough surfaces reflect.
@@ -28,15 +29,15 @@ pub const AMBIENT_WORDS: u32 = 17;
 
 /// Words under way.
 #[derive(Default)]
-struct Words(Vec<[f32; 4]>);
+pub(super) struct Words(Vec<[f32; 4]>);
 
 impl Words {
     /// Where the next word goes.
-    fn here(&self) -> u32 {
+    pub(super) fn here(&self) -> u32 {
         self.0.len() as u32
     }
 
-    fn push(&mut self, v: Vec3, w: f32) {
+    pub(super) fn push(&mut self, v: Vec3, w: f32) {
         self.0.push([v.x, v.y, v.z, w]);
     }
 
@@ -90,9 +91,12 @@ impl Shader<'_> {
             surface_words(frame, instance, origin, &mut words);
         }
         let tables = self.material_tables(&mut words);
+        let varying: Vec<Varying> = (0..frame.materials.len())
+            .map(|index| self.varying(index, &mut words))
+            .collect();
         let materials = words.here();
-        for (index, material) in frame.materials.iter().enumerate() {
-            self.material_words(index, material, tables[index], &mut words);
+        for (index, varying) in varying.iter().enumerate() {
+            self.material_words(index, tables[index], varying, &mut words);
         }
         let emitters = words.here();
         for (emitter, &image) in self.world.lights.emitters.iter().zip(&images) {
@@ -129,27 +133,26 @@ impl Shader<'_> {
     }
 
     /// (colour, translucency), (absorption coefficients, index of refraction), (coat of `shaded`: head on,
-    /// grazing, width, –; all 0 without), (scattering: 0 diffuse, 1 metal, 2 coated, 3 clear, 4 sheet,
-    /// 5 foam; roughness; strength of the coat; its index), (tables: coat or thin side, dense side or 0;
-    /// priority; whether its inside is a medium).
+    /// grazing, width; all 0 without; what varies: 1 colour or roughness, 2 absorption, 3 both), (scattering:
+    /// 0 diffuse, 1 metal, 2 coated, 3 clear, 4 sheet, 5 foam; roughness; strength of the coat; its index),
+    /// (tables: coat or thin side, dense side or 0; priority; whether its inside is a medium), then
+    /// [`Varying::push`].
     fn material_words(
         &self,
         index: usize,
-        material: &Material,
         [first, second]: [u32; 2],
+        varying: &Varying,
         words: &mut Words,
     ) {
-        let color = match material.base {
-            BaseColor::Constant(color) => Vec3::from_array(color),
-            BaseColor::Attribute(_) | BaseColor::Direct(_) => Vec3::ZERO,
-        };
+        let material = &self.world.frame.materials[index];
+        let color = Vec3::from_array(constant_of(&material.base));
         words.push(color, material.translucency);
         let absorption = material.absorption.constant().unwrap_or_default();
         words.push(Vec3::from_array(absorption), material.ior as f32);
         let gloss = self.gloss[index].map_or(Vec3::ZERO, |gloss| {
             Vec3::new(gloss.head_on, gloss.grazing, gloss.width)
         });
-        words.push(gloss, 0.0);
+        words.push(gloss, f32::from(varying.what()));
         let (scattering, strength, ior) = match self.world.prepared.get(index) {
             None | Some(Prepared::Diffuse) => (0.0, 0.0, 1.0),
             Some(Prepared::Conductor) => (1.0, 0.0, 1.0),
@@ -161,6 +164,8 @@ impl Shader<'_> {
         words.push(Vec3::new(scattering, material.roughness, strength), ior);
         let tables = Vec3::new(first as f32, second as f32, material.priority as f32);
         words.push(tables, f32::from(u8::from(material.is_medium())));
+        let left = constant_of(&material.absorption.left);
+        varying.push((left, material.absorption.depth), words);
     }
 
     fn ambient_words(&self, words: &mut Words) {
@@ -171,6 +176,14 @@ impl Shader<'_> {
             words.push(color, 0.0);
         }
         words.sky(&self.world.default_sky);
+    }
+}
+
+/// A colour where it is the same everywhere, else 0.
+fn constant_of(color: &BaseColor) -> [f32; 3] {
+    match color {
+        BaseColor::Constant(color) => *color,
+        BaseColor::Attribute(_) | BaseColor::Direct(_) => [0.0; 3],
     }
 }
 

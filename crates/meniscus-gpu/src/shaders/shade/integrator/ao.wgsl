@@ -33,5 +33,5 @@ fn shade(
         return;
     }
     let open = f32(total - states[index].kinds.y) / f32(total);
-    finish_on_surface(index, material_of(hit.surface).color * open, hit, direction);
+    finish_on_surface(index, material_at(index).color * open, hit, direction);
 }

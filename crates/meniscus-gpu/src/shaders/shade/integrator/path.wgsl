@@ -171,7 +171,7 @@ fn advance(index: u32, state: ptr<function, State>) -> bool {
     let is_hit = answer.surface != NONE;
     let end = select(FAR, answer.t, is_hit);
     let lamp = light_met(question.origin, direction, end);
-    (*state).throughput *= absorbed((*state).media, lamp.t);
+    (*state).throughput *= absorbed(index, (*state).media, lamp.t);
     if lamp.emitter != NONE {
         let emitter = emitter_of(lamp.emitter);
         add_found(state, emitter, emitter.radiance, direction);
@@ -183,7 +183,7 @@ fn advance(index: u32, state: ptr<function, State>) -> bool {
         return false;
     }
     (*state).flags |= IS_COVERED;
-    let material = material_of(answer.surface);
+    let material = material_at(index);
     let contact = contact_of(answer, material, (*state).media, question.origin);
     if contact.is_in_doubt {
         (*state).flags |= IN_DOUBT;

@@ -35,7 +35,7 @@ fn shade(
     }
     let hit = answers[index];
     let direction = questions[index].direction;
-    let material = material_of(hit.surface);
+    let material = material_at(index);
     let towards_eye = -direction;
     let normal = hit.normal;
     let from_inside = dot(normal, towards_eye) < 0.0;

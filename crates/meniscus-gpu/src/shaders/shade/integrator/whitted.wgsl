@@ -94,7 +94,7 @@ struct Meeting {
 fn meeting_at(index: u32, state: State) -> Meeting {
     let answer = answers[index];
     let question = questions[index];
-    let material = material_of(answer.surface);
+    let material = material_at(index);
     let contact = contact_of(answer, material, state.media, question.origin);
     let indices = vec2f(ior_in(state.media), ior_in(contact.beyond));
     let point = point_of(answer, material, question.direction, 0.0, indices);
@@ -113,7 +113,7 @@ fn arrive(index: u32, state: ptr<function, State>) -> bool {
     let direction = question.direction;
     let is_hit = answer.surface != NONE;
     let lamp = light_met(question.origin, direction, select(FAR, answer.t, is_hit));
-    (*state).throughput *= absorbed((*state).media, lamp.t);
+    (*state).throughput *= absorbed(index, (*state).media, lamp.t);
     if lamp.emitter != NONE {
         let light = emitter_of(lamp.emitter).radiance * emission_scale((*state).media);
         (*state).radiance += (*state).throughput * light;
