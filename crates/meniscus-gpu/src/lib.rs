@@ -13,6 +13,8 @@ mod device;
 mod error;
 mod frame;
 #[cfg(test)]
+mod gather_tests;
+#[cfg(test)]
 mod leaf_math_tests;
 mod pack;
 mod peel;

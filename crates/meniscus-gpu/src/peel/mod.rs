@@ -8,6 +8,8 @@
 
 mod balls;
 mod field;
+#[cfg(test)]
+mod list_tests;
 mod programs;
 mod room;
 mod round;

@@ -190,17 +190,9 @@ pub(super) fn run(
     work: &mut PeelWork,
     mut answer: impl FnMut(usize, Answer),
 ) -> Result<u32, GpuError> {
-    let (device, slots) = (call.device, call.slots);
-    device.check()?;
-    room.fit_tiles(device, slots.tiles.len())?;
-    let queue = &device.queue;
-    queue.write_buffer(&room.params, 0, bytemuck::cast_slice(&call.params));
-    queue.write_buffer(&room.rays, 0, bytemuck::cast_slice(&slots.records));
-    queue.write_buffer(&room.groups, 0, bytemuck::cast_slice(&slots.groups));
-    queue.write_buffer(&room.tiles, 0, bytemuck::cast_slice(&slots.tiles));
-    let mut encoder = call.encoder();
-    encoder.clear_buffer(&room.counts, 0, None);
-    make_lists(room, call, &mut encoder);
+    let slots = call.slots;
+    call.device.check()?;
+    let mut encoder = begin(room, call)?;
     match &call.program.solve {
         Solve::Tiles(pipeline) => {
             let mut clock = room.clock.take();
@@ -235,6 +227,21 @@ pub(super) fn run(
     work.rounds += 1;
     work.listed += u64::from(listed);
     Ok(listed)
+}
+
+/// Sends the rays and has the tiles' lists made.
+pub(super) fn begin(room: &mut Room, call: &Call<'_>) -> Result<wgpu::CommandEncoder, GpuError> {
+    let (device, slots) = (call.device, call.slots);
+    room.fit_tiles(device, slots.tiles.len())?;
+    let queue = &device.queue;
+    queue.write_buffer(&room.params, 0, bytemuck::cast_slice(&call.params));
+    queue.write_buffer(&room.rays, 0, bytemuck::cast_slice(&slots.records));
+    queue.write_buffer(&room.groups, 0, bytemuck::cast_slice(&slots.groups));
+    queue.write_buffer(&room.tiles, 0, bytemuck::cast_slice(&slots.tiles));
+    let mut encoder = call.encoder();
+    encoder.clear_buffer(&room.counts, 0, None);
+    make_lists(room, call, &mut encoder);
+    Ok(encoder)
 }
 
 fn make_lists(room: &mut Room, call: &Call<'_>, encoder: &mut wgpu::CommandEncoder) {

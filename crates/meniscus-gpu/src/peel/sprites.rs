@@ -27,20 +27,7 @@ pub(super) fn run(
     mut encoder: wgpu::CommandEncoder,
     work: &mut PeelWork,
 ) -> Result<wgpu::CommandEncoder, GpuError> {
-    let Own::Sprites(layers) = &room.own else {
-        return Ok(encoder);
-    };
-    encoder.clear_buffer(&layers.finished, 0, None);
-    encoder.clear_buffer(&layers.seen, 0, None);
-    let mut clock = room.clock.take();
-    let painter = Painter {
-        room,
-        call,
-        layers,
-        programs,
-    };
-    painter.begin(&mut encoder, &mut clock);
-    room.clock = clock;
+    begin(room, call, programs, &mut encoder);
     let slots = call.slots.records.len() as u32;
     let mut at_once = FIRST_LAYERS;
     let mut drawn = 0;
@@ -80,6 +67,28 @@ pub(super) fn run(
     Ok(encoder)
 }
 
+/// Finds out how far each ray has to look, and which sprites are seen at all before that.
+pub(super) fn begin(
+    room: &mut Room,
+    call: &Call<'_>,
+    programs: &Sprites,
+    encoder: &mut wgpu::CommandEncoder,
+) {
+    let mut clock = room.clock.take();
+    if let Own::Sprites(layers) = &room.own {
+        encoder.clear_buffer(&layers.finished, 0, None);
+        encoder.clear_buffer(&layers.seen, 0, None);
+        let painter = Painter {
+            room,
+            call,
+            layers,
+            programs,
+        };
+        painter.begin(encoder, &mut clock);
+    }
+    room.clock = clock;
+}
+
 struct Painter<'a> {
     room: &'a Room,
     call: &'a Call<'a>,
@@ -91,7 +100,6 @@ struct Painter<'a> {
 const NOTHING: wgpu::LoadOp<f32> = wgpu::LoadOp::Clear(1.0);
 
 impl Painter<'_> {
-    /// How far each ray has to look, and which sprites are seen at all before that.
     fn begin(&self, encoder: &mut wgpu::CommandEncoder, clock: &mut Option<Clock>) {
         let numbers = match self.call.balls.has_kernel_spheres {
             true => Some(&[0, 1, 5, 6, 7, 8, 10][..]),
