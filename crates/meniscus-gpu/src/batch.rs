@@ -12,7 +12,7 @@ pub(crate) type RayRecord = [u32; 16];
 pub(crate) type HitRecord = [u32; 8];
 
 /// What the shader knows beside the field (`Params` in `shaders/field/blobs.wgsl`), in bits.
-pub(crate) type ParamsRecord = [u32; 8];
+pub(crate) type ParamsRecord = [u32; 12];
 
 /// Place of the number of rays in the parameters.
 const PARAMS_RAYS: usize = 5;
@@ -26,7 +26,7 @@ const HIT_BYTES: u64 = size_of::<HitRecord>() as u64;
 pub(crate) const MET_BLOB_BYTES: u64 = 16;
 /// The same, and its word.
 const MET_BYTES: [u64; 2] = [MET_BLOB_BYTES, 4];
-const PARAMS_BYTES: u64 = size_of::<ParamsRecord>() as u64;
+pub(crate) const PARAMS_BYTES: u64 = size_of::<ParamsRecord>() as u64;
 /// Buffers for one batch of rays, reused.
 pub(crate) struct Batch {
     params: wgpu::Buffer,

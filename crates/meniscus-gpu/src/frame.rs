@@ -4,7 +4,6 @@ use crate::device::Device;
 use crate::error::GpuError;
 use crate::tracer::{FieldTracer, TraceWork, TracerOptions};
 use crate::uploaded::Uploaded;
-use meniscus::field::Motion;
 use meniscus::frame::{Blobs, Frame, Geometry};
 use meniscus::intersect::{BlobHit, BlobTracer, Crossing, Scratch, TraceError};
 use meniscus::math::ray::Ray;
@@ -38,9 +37,7 @@ impl<'d> FrameTracer<'d> {
     /// Where one does not fit, or the device fails.
     pub fn upload(device: &'d Device, frame: &Frame, takeover: Takeover) -> Result<Self, GpuError> {
         let upload = |geometry: &Geometry| {
-            // Shaders know no shapes that turn: those fields are the CPU's.
-            let turns = |blobs: &&Blobs| blobs.field.motion.as_ref().is_some_and(Motion::turns);
-            let blobs = geometry.blobs().filter(|blobs| !turns(blobs))?;
+            let blobs = geometry.blobs()?;
             Some(FieldTracer::upload(device, blobs, TracerOptions::default()))
         };
         let fields = frame

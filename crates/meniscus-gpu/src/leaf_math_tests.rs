@@ -6,7 +6,7 @@ use crate::chunks::{Chunks, Word};
 use crate::device::{AdapterChoice, Device, OpenOptions};
 use crate::pack::{blob_words, pack};
 use crate::readback;
-use crate::shader::{ShaderKind, WORKGROUP, sources};
+use crate::shader::{FieldMotion, ShaderKind, WORKGROUP, sources};
 use crate::stage::dispatch;
 use crate::tracer::TracerOptions;
 use meniscus::accel::particles::ParticleTree;
@@ -95,12 +95,12 @@ fn ask(
             mapped_at_creation: false,
         })
     };
-    let params = buffer(32, Usage::UNIFORM);
+    let params = buffer(48, Usage::UNIFORM);
     let rays = buffer(RAYS * 64, Usage::STORAGE);
     let hits = buffer(RAYS * 32, Usage::STORAGE | Usage::COPY_SRC);
     let lists = [(); 2].map(|()| buffer(16, Usage::STORAGE));
     let back = buffer(RAYS * 32, Usage::MAP_READ);
-    let mut numbers = [0_u32; 8];
+    let mut numbers = [0_u32; 12];
     numbers[6] = leaves_at;
     let records: Vec<RayRecord> = questions.iter().map(Question::record).collect();
     device
@@ -140,7 +140,7 @@ fn check<K: KernelShape, P: Primitive>(device: &Device, kernel: Kernel, set: &st
     let kind = ShaderKind {
         kernel,
         ellipsoids: matches!(field.shapes, Shapes::Ellipsoids(_)),
-        moves: false,
+        motion: FieldMotion::Still,
         chunks: 1,
         chunk_bits: 23,
         stack: 64,
@@ -151,7 +151,7 @@ fn check<K: KernelShape, P: Primitive>(device: &Device, kernel: Kernel, set: &st
     let answers = ask(device, &kind, packed.leaves_at, &packed.words, &questions);
     for (question, answer) in questions.iter().zip(answers) {
         let Question { w, d, g, blob } = *question;
-        let head = first + 2 + blob * blob_words::<P>(false);
+        let head = first + 2 + blob * blob_words::<P>(FieldMotion::Still);
         let mut columns = [0.0_f32; 6];
         for (k, column) in columns[..P::COLUMNS].iter_mut().enumerate() {
             // Behind the place.

@@ -33,6 +33,6 @@ pub use peel::{
     Clipping, PeelField, PeelKind, PeelModule, PeelOptions, PeelTracer, PeelWork, StageSecs, View,
     peel_sources,
 };
-pub use shader::{BuildKind, BuildStep, ShaderKind, sources};
+pub use shader::{BuildKind, BuildStep, FieldMotion, ShaderKind, sources};
 pub use stages::{StageModule, attribute_sources};
 pub use tracer::{FieldTracer, TraceWork, TracerOptions, TreeUpdate};

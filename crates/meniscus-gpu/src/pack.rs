@@ -1,6 +1,7 @@
 //! A field and its tree as words of 16 bytes; what they hold stands in `shaders/accel/particles.wgsl`.
 
 use crate::chunks::Word;
+use crate::shader::FieldMotion;
 use meniscus::accel::cells::layout::{LANES, LEAF, LeafHeader};
 use meniscus::accel::particles::ParticleTree;
 use meniscus::accel::particles::layout::{Node, columns, leaf_blocks};
@@ -27,16 +28,16 @@ const BOUNDS_WORDS: usize = 12;
 /// Packs a field; `None` where its words cannot be numbered in 32 bits.
 pub(crate) fn pack(field: &BlobField, tree: &ParticleTree) -> Option<Packed> {
     match field.shapes {
-        Shapes::Balls(_) => pack_of::<Ball>(tree),
-        Shapes::Ellipsoids(_) => pack_of::<Ellipsoid>(tree),
+        Shapes::Balls(_) => pack_of::<Ball>(field, tree),
+        Shapes::Ellipsoids(_) => pack_of::<Ellipsoid>(field, tree),
     }
 }
 
-fn pack_of<P: Primitive>(tree: &ParticleTree) -> Option<Packed> {
-    let moves = tree.moves();
-    let node_words = node_words(moves);
-    let blob_words = blob_words::<P>(moves);
-    let leaf_words = leaf_words::<P>(moves);
+fn pack_of<P: Primitive>(field: &BlobField, tree: &ParticleTree) -> Option<Packed> {
+    let motion = FieldMotion::of(field);
+    let node_words = node_words(motion.moves());
+    let blob_words = blob_words::<P>(motion);
+    let leaf_words = leaf_words::<P>(motion);
     let leaves_at = tree.nodes.len() * node_words;
     let total = leaves_at + tree.leaves * leaf_words;
     u32::try_from(total).ok()?;
@@ -60,7 +61,7 @@ fn pack_of<P: Primitive>(tree: &ParticleTree) -> Option<Packed> {
             let column = |k: usize, lane: usize| blocks[1 + k].0[lane].to_bits();
             let blobs = words[LEAF_HEADER_WORDS..].chunks_exact_mut(blob_words);
             for (lane, words) in blobs.enumerate() {
-                pack_blob::<P>(words, moves, |k| column(k, lane));
+                pack_blob::<P>(words, motion, |k| column(k, lane));
             }
         });
     Some(Packed {
@@ -76,30 +77,30 @@ pub(crate) fn node_words(moves: bool) -> usize {
 }
 
 /// Words of a leaf.
-pub(crate) fn leaf_words<P: Primitive>(moves: bool) -> usize {
-    LEAF_HEADER_WORDS + LANES * blob_words::<P>(moves)
+pub(crate) fn leaf_words<P: Primitive>(motion: FieldMotion) -> usize {
+    LEAF_HEADER_WORDS + LANES * blob_words::<P>(motion)
 }
 
 /// Words of a leaf's blob.
-pub(crate) fn blob_words<P: Primitive>(moves: bool) -> usize {
-    columns::<P>().div_ceil(4) + if moves { 2 } else { 0 }
+pub(crate) fn blob_words<P: Primitive>(motion: FieldMotion) -> usize {
+    columns::<P>().div_ceil(4) + motion.words()
 }
 
-/// x, y, z, the shape's columns, the weight and the index follow each other.
+/// x, y, z, the shape's columns, the weight and the index follow each other; then, in words of their own,
+/// threes of what moves and turns.
 pub(crate) fn pack_blob<P: Primitive>(
     words: &mut [Word],
-    moves: bool,
+    motion: FieldMotion,
     column: impl Fn(usize) -> u32,
 ) {
     let columns = columns::<P>();
     for k in 0..columns {
         words[k / 4][k % 4] = column(k);
     }
-    if moves {
-        let rates = words.len() - 2;
+    let rates = words.len() - motion.words();
+    for (three, word) in words[rates..].iter_mut().enumerate() {
         for axis in 0..3 {
-            words[rates][axis] = column(columns + axis);
-            words[rates + 1][axis] = column(columns + 3 + axis);
+            word[axis] = column(columns + 3 * three + axis);
         }
     }
 }

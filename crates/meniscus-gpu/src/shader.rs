@@ -1,6 +1,7 @@
 //! Shaders are put together from files, one per subject and named as their CPU twins; what varies is
 //! which kernel, which primitive, whether blobs move, and some numbers in front.
 
+use meniscus::field::BlobField;
 use meniscus::kernel::Kernel;
 
 /// Rays that one workgroup traces.
@@ -9,6 +10,42 @@ pub(crate) const WORKGROUP: u32 = 64;
 /// Records of a ray that asks for all its crossings.
 pub(crate) const CROSSINGS: u32 = 8;
 
+/// What blobs do while the shutter is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum FieldMotion {
+    /// Nothing.
+    Still,
+    /// They move.
+    Moves,
+    /// They move, turn and stretch: ellipsoids.
+    Turns,
+}
+
+impl FieldMotion {
+    /// That of a field.
+    pub fn of(field: &BlobField) -> Self {
+        match &field.motion {
+            None => Self::Still,
+            Some(motion) if motion.turns() => Self::Turns,
+            Some(_) => Self::Moves,
+        }
+    }
+
+    /// Whether there is any.
+    pub fn moves(self) -> bool {
+        self != Self::Still
+    }
+
+    /// Words of it that a blob has.
+    pub(crate) fn words(self) -> usize {
+        match self {
+            Self::Still => 0,
+            Self::Moves => 2,
+            Self::Turns => 5,
+        }
+    }
+}
+
 /// What a shader is made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ShaderKind {
@@ -16,8 +53,8 @@ pub struct ShaderKind {
     pub kernel: Kernel,
     /// Ellipsoids, else balls.
     pub ellipsoids: bool,
-    /// Whether blobs move while the shutter is open.
-    pub moves: bool,
+    /// What its blobs do while the shutter is open.
+    pub motion: FieldMotion,
     /// Storage buffers that hold the field.
     pub chunks: u32,
     /// Words (16 bytes) per full buffer, as a power of two.
@@ -37,7 +74,7 @@ pub(crate) fn kernel_source(kernel: Kernel) -> &'static str {
 }
 
 /// What all shaders have that walk the tree of a field, its buffers from binding `first_chunk` on.
-pub(crate) fn field_parts(kind: &ShaderKind, first_chunk: u32) -> [String; 6] {
+pub(crate) fn field_parts(kind: &ShaderKind, first_chunk: u32) -> [String; 7] {
     let field = Heap {
         binding: first_chunk,
         chunks: kind.chunks,
@@ -47,19 +84,34 @@ pub(crate) fn field_parts(kind: &ShaderKind, first_chunk: u32) -> [String; 6] {
         false => include_str!("shaders/primitive/ball.wgsl"),
         true => include_str!("shaders/primitive/ellipsoid.wgsl"),
     };
-    let motion = match kind.moves {
-        false => include_str!("shaders/field/still.wgsl"),
-        true => include_str!("shaders/field/moving.wgsl"),
+    let motion = match kind.motion {
+        FieldMotion::Still => include_str!("shaders/field/still.wgsl"),
+        FieldMotion::Moves | FieldMotion::Turns => include_str!("shaders/field/moving.wgsl"),
     };
+    let turn = match kind.motion {
+        FieldMotion::Still | FieldMotion::Moves => include_str!("shaders/field/rigid.wgsl"),
+        FieldMotion::Turns => include_str!("shaders/field/turning.wgsl"),
+    };
+    let rates = constants([("RATE_WORDS", kind.motion.words() as u32)]);
     let texts = [
         include_str!("shaders/field/blobs.wgsl"),
         kernel_source(kind.kernel),
         primitive,
         motion,
+        turn,
         include_str!("shaders/accel/particles.wgsl"),
     ];
-    let [blobs, kernel, primitive, motion, tree] = texts.map(str::to_owned);
-    [field.reader("heap"), blobs, kernel, primitive, motion, tree]
+    let [blobs, kernel, primitive, motion, turn, tree] = texts.map(str::to_owned);
+    let blobs = rates + &blobs;
+    [
+        field.reader("heap"),
+        blobs,
+        kernel,
+        primitive,
+        motion,
+        turn,
+        tree,
+    ]
 }
 
 /// The binding of a field's parameters.

@@ -5,7 +5,7 @@ use crate::chunks::Chunks;
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::program::{Program, Question};
-use crate::shader::{ShaderKind, WORKGROUP};
+use crate::shader::{FieldMotion, ShaderKind, WORKGROUP};
 use crate::stage::Bindings;
 use crate::tracer::TracerOptions;
 use glam::DVec3;
@@ -113,7 +113,7 @@ impl Uploaded {
             kind: ShaderKind {
                 kernel: blobs.field.kernel,
                 ellipsoids: matches!(blobs.field.shapes, Shapes::Ellipsoids(_)),
-                moves: blobs.field.motion.is_some(),
+                motion: FieldMotion::of(&blobs.field),
                 chunks: bound,
                 chunk_bits: placed.chunks.bits,
                 stack: placed
@@ -122,7 +122,7 @@ impl Uploaded {
                     .clamp(SMALLEST_STACK, DEEPEST_STACK),
             },
             placed,
-            params: [0; 8],
+            params: [0; 12],
             idle: Default::default(),
             batch: AtomicUsize::new(BATCH),
         };
@@ -141,6 +141,7 @@ impl Uploaded {
             .as_ref()
             .map_or([0.0; 2], |motion| motion.shutter);
         self.kind.kernel = field.kernel;
+        let middle_secs = 0.5 * (self.shutter_secs[0] + self.shutter_secs[1]);
         self.params = [
             field.threshold.to_bits(),
             tolerances.crossing.to_bits(),
@@ -149,6 +150,10 @@ impl Uploaded {
             (LONGEST_STRETCH * around.typical_support).to_bits(),
             0,
             self.placed.leaves_at,
+            0,
+            (middle_secs as f32).to_bits(),
+            0,
+            0,
             0,
         ];
     }

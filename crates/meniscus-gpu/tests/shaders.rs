@@ -3,7 +3,7 @@
 use meniscus::kernel::Kernel;
 use meniscus::scene::{IntegratorKind, PeelVariant};
 use meniscus_gpu::{
-    BuildKind, BuildStep, Clipping, PeelKind, PeelModule, ShaderKind, StageModule,
+    BuildKind, BuildStep, Clipping, FieldMotion, PeelKind, PeelModule, ShaderKind, StageModule,
     attribute_sources, peel_sources, sources,
 };
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -11,12 +11,18 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 fn kinds() -> Vec<ShaderKind> {
     let mut kinds = Vec::new();
     for kernel in Kernel::ALL {
-        for (ellipsoids, moves) in [(false, false), (false, true), (true, false), (true, true)] {
+        for (ellipsoids, motion) in [
+            (false, FieldMotion::Still),
+            (false, FieldMotion::Moves),
+            (true, FieldMotion::Still),
+            (true, FieldMotion::Moves),
+            (true, FieldMotion::Turns),
+        ] {
             for chunks in [1, 3] {
                 kinds.push(ShaderKind {
                     kernel,
                     ellipsoids,
-                    moves,
+                    motion,
                     chunks,
                     chunk_bits: 23,
                     stack: 64,
@@ -139,7 +145,7 @@ fn those_that_blend_attributes_are_valid() {
 fn structs_lie_as_the_host_writes_them() {
     let module = module(&kinds()[0]);
     let offsets = |name: &str| offsets_in(&module, name);
-    assert_eq!(offsets("Params"), ((0..8).map(|i| 4 * i).collect(), 32));
+    assert_eq!(offsets("Params"), ((0..9).map(|i| 4 * i).collect(), 36));
     assert_eq!(
         offsets("LocalRay"),
         (vec![0, 12, 16, 28, 32, 44, 48, 60], 64)
@@ -154,15 +160,15 @@ fn structs_of_stages_lie_as_the_host_writes_them() {
     let rows = |count: u32| (0..count).flat_map(|row| [16 * row, 16 * row + 12]);
     let surfaces = parsed(StageModule::Surfaces);
     let picture = rows(10).chain((160..176).step_by(4)).chain([176]);
-    let picture = picture.chain((192..280).step_by(4)).collect();
-    assert_eq!(offsets_in(&surfaces, "Picture"), (picture, 288));
+    let picture = picture.chain((192..296).step_by(4)).collect();
+    assert_eq!(offsets_in(&surfaces, "Picture"), (picture, 304));
     assert_eq!(offsets_in(&surfaces, "FieldPlace"), (rows(4).collect(), 64));
     assert_eq!(offsets_in(&surfaces, "Question"), (rows(4).collect(), 64));
     assert_eq!(offsets_in(&surfaces, "Seen"), (rows(3).collect(), 48));
-    assert_eq!(offsets_in(&surfaces, "Owner"), (vec![0, 4], 8));
+    assert_eq!(offsets_in(&surfaces, "Owner"), (vec![0, 4, 8], 12));
     assert_eq!(offsets_in(&surfaces, "LocalRay"), (rows(4).collect(), 64));
     assert_eq!(offsets_in(&surfaces, "HitRecord").1, 32);
-    assert_eq!(offsets_in(&surfaces, "Answer").1, 64);
+    assert_eq!(offsets_in(&surfaces, "Answer").1, 80);
     assert_eq!(offsets_in(&surfaces, "State").1, 112);
     let whitted = parsed(StageModule::Integrator(IntegratorKind::Whitted));
     assert_eq!(offsets_in(&whitted, "Branch").1, 96);

@@ -11,3 +11,4 @@ pub mod random;
 pub mod rays;
 pub mod suite;
 pub mod tolerance;
+pub mod turning;

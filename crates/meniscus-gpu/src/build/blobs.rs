@@ -4,6 +4,7 @@
 
 use crate::chunks::Word;
 use crate::pack::{blob_words, pack_blob};
+use crate::shader::FieldMotion;
 use glam::Vec3;
 use meniscus::accel::particles::layout::columns;
 use meniscus::accel::particles::size_class;
@@ -23,12 +24,12 @@ pub(crate) struct RawBlobs {
 
 /// Words of a blob.
 pub(crate) fn raw_words(field: &BlobField) -> usize {
-    let moves = field.motion.is_some();
+    let motion = FieldMotion::of(field);
     let leaf_words = match field.shapes {
-        Shapes::Balls(_) => blob_words::<Ball>(moves),
-        Shapes::Ellipsoids(_) => blob_words::<Ellipsoid>(moves),
+        Shapes::Balls(_) => blob_words::<Ball>(motion),
+        Shapes::Ellipsoids(_) => blob_words::<Ellipsoid>(motion),
     };
-    leaf_words + if moves { 2 } else { 1 }
+    leaf_words + if motion.moves() { 2 } else { 1 }
 }
 
 impl RawBlobs {
@@ -80,8 +81,9 @@ fn pack<P: Primitive>(field: &BlobField, i: usize, words: &mut [Word]) -> Vec3 {
         numbers[columns..columns + 3].copy_from_slice(&velocity.to_array());
         numbers[columns + 3..columns + 6].copy_from_slice(&half.to_array());
     }
-    let leaf_words = blob_words::<P>(rates.is_some());
-    pack_blob::<P>(&mut words[..leaf_words], rates.is_some(), |k| {
+    let motion = FieldMotion::of(field);
+    let leaf_words = blob_words::<P>(motion);
+    pack_blob::<P>(&mut words[..leaf_words], motion, |k| {
         if k == columns - 1 {
             i as u32
         } else {

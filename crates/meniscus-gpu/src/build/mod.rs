@@ -14,7 +14,7 @@ use crate::chunks::{Chunks, Word};
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::readback::{self, Clock, TIME_BYTES};
-use crate::shader::{BuildKind, WORKGROUP};
+use crate::shader::{BuildKind, FieldMotion, WORKGROUP};
 use crate::stage::dispatch;
 use crate::tracer::TracerOptions;
 use crate::uploaded::Placed;
@@ -88,11 +88,14 @@ fn uniform(device: &Device, numbers: [u32; 8]) -> wgpu::Buffer {
     buffer
 }
 
-/// Whether a device can build the tree of so many blobs: its keys have to fit into one buffer each.
+/// Whether a device can build the tree of these blobs: its keys have to fit into one buffer each, and boxes
+/// of shapes that turn are the processor's.
 pub(crate) fn can_build(device: &Device, field: &BlobField) -> bool {
     let count = u32::try_from(field.len()).unwrap_or(u32::MAX);
     let bindings = device.limits.max_storage_buffers_per_shader_stage;
-    sort::fits(count, device.largest_binding()) && bindings >= sort::BUFFERS
+    sort::fits(count, device.largest_binding())
+        && bindings >= sort::BUFFERS
+        && FieldMotion::of(field) != FieldMotion::Turns
 }
 
 impl BuiltTree {
@@ -105,7 +108,8 @@ impl BuiltTree {
     ) -> Result<(Self, Placed), GpuError> {
         let count = field.len() as u32;
         let levels = Levels::over(count);
-        let moves = field.motion.is_some();
+        let motion = FieldMotion::of(field);
+        let moves = motion.moves();
         let mut kind = BuildKind {
             ellipsoids: matches!(field.shapes, Shapes::Ellipsoids(_)),
             moves,
@@ -122,9 +126,9 @@ impl BuiltTree {
         kind.raw_chunks = raw.buffers.len() as u32;
         let leaves_at = levels.nodes() as usize * crate::pack::node_words(moves);
         let leaf_words = match field.shapes {
-            Shapes::Balls(_) => crate::pack::leaf_words::<meniscus::primitive::Ball>(moves),
+            Shapes::Balls(_) => crate::pack::leaf_words::<meniscus::primitive::Ball>(motion),
             Shapes::Ellipsoids(_) => {
-                crate::pack::leaf_words::<meniscus::primitive::Ellipsoid>(moves)
+                crate::pack::leaf_words::<meniscus::primitive::Ellipsoid>(motion)
             }
         };
         let words = leaves_at + levels.leaves as usize * leaf_words;
@@ -222,6 +226,7 @@ impl BuiltTree {
     /// Whether a field can take this one's place.
     pub(crate) fn suits(&self, field: &BlobField) -> bool {
         field.len() as u64 == u64::from(self.blobs)
+            && FieldMotion::of(field) != FieldMotion::Turns
             && field.motion.is_some() == self.kind.moves
             && matches!(field.shapes, Shapes::Ellipsoids(_)) == self.kind.ellipsoids
     }

@@ -2,6 +2,7 @@
 
 use super::sources::FILTER_STEPS;
 use glam::{DVec3, Vec3};
+use meniscus::math::cubics::Piece;
 use meniscus::math::ray::Side;
 use meniscus::render::{SampleBlock, StagedPicture};
 use meniscus::scene::Background;
@@ -11,7 +12,7 @@ const FAR: f32 = 3e38;
 /// No surface.
 const NONE: u32 = u32::MAX;
 /// Bytes of a record.
-pub(crate) const PICTURE_BYTES: u64 = 288;
+pub(crate) const PICTURE_BYTES: u64 = 304;
 /// Places in the record, in words of 32 bits, of what differs from block to block.
 const REGION: usize = 44;
 const FIRST_SAMPLE: usize = 48;
@@ -49,6 +50,8 @@ impl PictureRecord {
             ..
         } = picture;
         let bits = |number: f64| (number as f32).to_bits();
+        let way = camera.way([*open, *close], shading.origin);
+        let camera = &camera.at(*open);
         let [width, height] = camera.size.map(f64::from);
         let pixel_side = 2.0 * (0.5 * camera.fov).tan() / height;
         let side = pixel_side as f32;
@@ -110,7 +113,16 @@ impl PictureRecord {
         record.0.extend([shading.ao_samples, integrator.depth]);
         record.0.extend(depths);
         record.0.push(u32::from(shading.light_walks));
-        record.0.resize(PICTURE_BYTES as usize / 4, 0);
+        let way = way.unwrap_or_default();
+        record.0.extend([words.len() as u32, way.len() as u32]);
+        words.extend(way.iter().flat_map(Piece::words));
+        record.0.extend(shading.cuts);
+        record.0.extend([0; 2]);
+        debug_assert_eq!(
+            record.0.len(),
+            PICTURE_BYTES as usize / 4,
+            "the shaders' record"
+        );
         Self {
             words,
             record: record.0,

@@ -16,7 +16,7 @@ pub(crate) const FILTER_STEPS: u32 = 1025;
 pub enum StageModule {
     /// The eye's rays.
     Begin,
-    /// Planes and spheres; questions clipped to fields, and answers merged.
+    /// Planes, spheres and meshes; questions clipped to fields, and answers merged.
     Surfaces,
     /// An integrator.
     Integrator(IntegratorKind),
@@ -30,14 +30,20 @@ const COMMON: [&str; 4] = [
     include_str!("../shaders/shade/asking.wgsl"),
 ];
 
-const BEGIN: [&str; 2] = [
+const BEGIN: [&str; 3] = [
+    include_str!("../shaders/math/cubics.wgsl"),
     include_str!("../shaders/scene/camera.wgsl"),
     include_str!("../shaders/shade/begin.wgsl"),
 ];
 
-const SURFACES: [&str; 3] = [
+const SURFACES: [&str; 8] = [
     include_str!("../shaders/intersect/place.wgsl"),
+    include_str!("../shaders/math/cubics.wgsl"),
+    include_str!("../shaders/frame/way.wgsl"),
+    include_str!("../shaders/intersect/cuts.wgsl"),
     include_str!("../shaders/intersect/solids.wgsl"),
+    include_str!("../shaders/intersect/mesh.wgsl"),
+    include_str!("../shaders/intersect/world.wgsl"),
     include_str!("../shaders/intersect/clip.wgsl"),
 ];
 
@@ -72,7 +78,9 @@ const SCATTERING: [&str; 14] = [
 ];
 
 /// What the stage has that blends attributes, and its parameters' binding.
-const ATTRIBUTES: [&str; 4] = [
+const ATTRIBUTES: [&str; 6] = [
+    include_str!("../shaders/math/cubics.wgsl"),
+    include_str!("../shaders/frame/way.wgsl"),
     include_str!("../shaders/shade/light/drawn.wgsl"),
     include_str!("../shaders/shade/medium.wgsl"),
     include_str!("../shaders/intersect/place.wgsl"),

@@ -3,7 +3,7 @@
 use super::Field;
 use super::picture::PICTURE_BYTES;
 use super::programs::{Common, STAGE_BUFFERS};
-use crate::batch::MET_BLOB_BYTES;
+use crate::batch::{MET_BLOB_BYTES, PARAMS_BYTES};
 use crate::device::Device;
 use crate::error::GpuError;
 use crate::program::{Program, Question};
@@ -20,10 +20,10 @@ use std::sync::Arc;
 /// the structs of `shaders/shade/asking.wgsl` and `shaders/intersect/clip.wgsl`.
 const STATE_BYTES: u64 = 112;
 const QUESTION_BYTES: u64 = 64;
-const ANSWER_BYTES: u64 = 64;
+const ANSWER_BYTES: u64 = 80;
 const SEEN_BYTES: u64 = 48;
 const RAY_BYTES: u64 = 64;
-const OWNER_BYTES: u64 = 8;
+const OWNER_BYTES: u64 = 12;
 const HIT_BYTES: u64 = 32;
 /// Of `shaders/shade/varying.wgsl`.
 const LOOK_BYTES: u64 = 48;
@@ -35,7 +35,6 @@ const COUNTERS: usize = 9;
 const COUNTER_BYTES: u64 = 4 * COUNTERS as u64;
 const GOING_ON: usize = 2;
 const PLACE_BYTES: u64 = 64;
-const PARAMS_BYTES: u64 = 32;
 /// Places in the tree's parameters, in bytes and words: number of rays, room.
 const PARAMS_RAYS: u64 = 20;
 const PARAMS_CAPACITY: usize = 7;

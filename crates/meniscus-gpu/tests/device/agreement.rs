@@ -2,6 +2,7 @@
 
 use crate::common::{Gpu, SHUTTER, blobs, device, moving};
 use glam::DVec3;
+use meniscus::field::MOST_TURN;
 use meniscus::intersect::Scratch;
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
@@ -12,6 +13,7 @@ use meniscus_testing::examine::{Question, Tracer};
 use meniscus_testing::oracle::Oracle;
 use meniscus_testing::rays;
 use meniscus_testing::suite::{Stage, complaints};
+use meniscus_testing::turning::{SHUTTER_SECS, frozen, turning};
 
 const EYES: [DVec3; 2] = [DVec3::new(0.3, 0.5, 1.0), DVec3::new(-1.0, 0.1, -0.2)];
 const BOTH: [Question; 2] = [Question::ClosestTogether, Question::AnyTogether];
@@ -261,6 +263,39 @@ fn moving_blobs() {
         }
         let work = gpu.work();
         assert!(work.on_cpu * 5 < work.rays, "{kind}: {work:?}");
+    }
+}
+
+/// The same among ellipsoids that turn and stretch; their trees are the processor's, whoever is asked.
+#[test]
+fn turning_blobs() {
+    let Some(device) = device("turning_blobs") else {
+        return;
+    };
+    for (turn, kernel, builder) in [
+        (0.05, Kernel::Quartic, Builder::Sah),
+        (0.4, Kernel::Sextic, Builder::Sah),
+        (0.99 * MOST_TURN, Kernel::Wyvill, Builder::Device),
+    ] {
+        let scene = turning(&corpus::scene("ellipsoids", kernel, 300), turn);
+        let blobs = blobs(scene.field.clone(), builder);
+        let gpu = Gpu::new(device, &blobs, TracerOptions::default());
+        for time in [SHUTTER_SECS[0], 0.0, 0.23, SHUTTER_SECS[1]] {
+            let frozen = frozen(&scene, time);
+            let oracle = Oracle::new(&frozen.field);
+            let stage = Stage::new(&frozen, &oracle, 80);
+            let mut all = rays::hemisphere(&stage.points, 5);
+            all.extend(rays::primary(&oracle, 24, EYES[0]));
+            all.extend(rays::grazing(&oracle, &stage.points, 6));
+            all.extend(rays::inside(&oracle, &stage.points, 7));
+            let all: Vec<Ray> = all.into_iter().map(|ray| Ray { time, ..ray }).collect();
+            for question in BOTH {
+                let complaint = complaints(&gpu, &stage, &all, question);
+                assert_eq!(complaint, None, "{turn} at {time}");
+            }
+        }
+        let work = gpu.work();
+        assert!(work.on_cpu * 5 < work.rays, "{turn}: {work:?}");
     }
 }
 

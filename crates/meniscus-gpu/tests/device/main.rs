@@ -8,4 +8,6 @@ mod common;
 mod crossings;
 mod peel;
 mod pictures;
+mod staged_meshes;
+mod staged_motion;
 mod stages;

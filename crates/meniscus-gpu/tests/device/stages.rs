@@ -36,11 +36,12 @@ fn image() -> Light {
 }
 
 /// A scene's text, with particles of a set of the corpus as its surface.
-fn frame_of(text: &str, set: &str) -> (Scene, Frame) {
+pub(crate) fn frame_of(text: &str, set: &str) -> (Scene, Frame) {
     frame_with(text, corpus::scene(set, Kernel::Sextic, 400).field)
 }
 
-fn frame_with(text: &str, field: BlobField) -> (Scene, Frame) {
+/// A scene's text with a field as its surface.
+pub(crate) fn frame_with(text: &str, field: BlobField) -> (Scene, Frame) {
     let scene = meniscus::scene::file::parse(text, "test").expect("the scene is sound");
     let settings = FrameSettings {
         engine: Engine::Cells,
@@ -93,13 +94,12 @@ fn on_device(device: &Device, scene: &Scene, frame: &Frame) -> (Film, RenderStat
     }
 }
 
-fn check(device: &Device, what: &str, text: &str, set: &str, lights: &[Light]) {
+pub(crate) fn check(device: &Device, what: &str, text: &str, set: &str, lights: &[Light]) {
     let field = corpus::scene(set, Kernel::Sextic, 400).field;
     check_field(device, what, text, field, lights);
 }
 
 /// The pictures of `field` as the surface of a scene's text, by the device's stages and by the CPU.
-#[expect(clippy::print_stderr, reason = "how many samples went where")]
 pub(crate) fn check_field(
     device: &Device,
     what: &str,
@@ -109,12 +109,17 @@ pub(crate) fn check_field(
 ) -> Picture {
     let (scene, mut frame) = frame_with(text, field);
     frame.lights.extend_from_slice(lights);
-    let (ours, stats, [samples, on_cpu]) = on_device(device, &scene, &frame);
+    check_frame(device, what, &scene, &frame)
+}
+
+#[expect(clippy::print_stderr, reason = "how many samples went where")]
+pub(crate) fn check_frame(device: &Device, what: &str, scene: &Scene, frame: &Frame) -> Picture {
+    let (ours, stats, [samples, on_cpu]) = on_device(device, scene, frame);
     eprintln!("{what}: {samples} samples, {on_cpu} by the processor");
     let pixels = u64::from(SIZE[0] * SIZE[1]);
     assert_eq!(samples, pixels * u64::from(scene.film.spp), "{what}");
     assert!(on_cpu * 5 < samples, "{what}: {on_cpu} of {samples}");
-    let (theirs, expected) = rendered(&CpuBackend, &scene, &frame);
+    let (theirs, expected) = rendered(&CpuBackend, scene, frame);
     check_budget(what, &picture(&ours), &picture(&theirs));
     // Both went the same ways.
     let counts = [stats.rays, expected.rays].map(|rays| {
@@ -319,6 +324,34 @@ fn trees_are_those_of_the_cpu() {
     let bubble = "material = \"film\"\n[material.film]\ntype = \"glass\"\nthin = true\n";
     let sheets = whitted(&[SURFACE, bubble, SUN_AND_SKY, "[ground]\n"]);
     check(device, "whitted through sheets", &sheets, "mixed", &[]);
+}
+
+/// Open surfaces and their caps.
+#[test]
+fn cuts_are_those_of_the_cpu() {
+    let Some(device) = device("cuts_are_those_of_the_cpu") else {
+        return;
+    };
+    let cut = "[[clip]]\npoint = [0.8, 0, 0]\nnormal = [1, 0, 0.3]\n";
+    let corner = "[[clip]]\npoint = [0, 0.7, 0]\nnormal = [0.1, 1, 0]\n";
+    let water = "material = \"pool\"\n[material.pool]\ntype = \"water\"\n";
+    let open = with("type = \"shaded\"", 4, &[SURFACE, LAMPS, BALLS, cut]);
+    check(device, "a cut", &open, "pool", &[]);
+    let inside = "[camera]\neye = [0.5, 0.5, 0.5]\ntarget = [0.9, 0.6, 0.5]\n";
+    let inside = with("type = \"ao\"", 4, &[SURFACE, cut, inside]);
+    check(device, "a cut from inside", &inside, "pool", &[]);
+    let twice = with(
+        "type = \"path\"\ndepth = 3",
+        4,
+        &[SURFACE, LAMPS, BALLS, cut, corner],
+    );
+    check(device, "a corner cut away", &twice, "mixed", &[]);
+    let sea = with(
+        "type = \"whitted\"",
+        1,
+        &[SURFACE, water, SUN_AND_SKY, "[ground]\n", cut],
+    );
+    check(device, "water cut open", &sea, "pool", &[]);
 }
 
 /// The same picture again, and the same from parts of it.

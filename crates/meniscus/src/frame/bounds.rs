@@ -1,6 +1,6 @@
 //! Bounds of what stands in a frame: all of it, and the part that a camera should frame.
 
-use super::{Blobs, Frame, Geometry, Sphere};
+use super::{Blobs, Frame, Geometry, Instance, Sphere};
 use crate::field::BlobField;
 use crate::math::aabb::{Aabb, DAabb};
 use glam::{DAffine3, DVec3, Vec3};
@@ -41,6 +41,32 @@ impl Frame {
                     None => bounds,
                 }
             })
+    }
+
+    /// About how far what an instance places extends in the world at the frame's time; of planes, as far as
+    /// all the rest.
+    pub fn reach_of(&self, instance: &Instance) -> f64 {
+        let local = self.geometries[instance.geometry as usize].bounds([0.0; 2]);
+        let all = || self.bounds([0.0; 2]);
+        let bounds =
+            local.map_or_else(all, |local| transformed(local, &instance.world_from_object));
+        let reach = 0.5 * bounds.size().max_element();
+        if reach > 0.0 { reach } else { 1.0 }
+    }
+
+    /// Whether all of a box is sure to lie outside a surface at any time in `shutter`.
+    pub fn is_outside(&self, surface: u32, place: &DAabb, shutter: [f64; 2]) -> bool {
+        let instance = &self.instances[surface as usize];
+        let geometry = &self.geometries[instance.geometry as usize];
+        match (geometry.bounds(shutter), geometry) {
+            (Some(local), _) => !instance.bounds(local, shutter).touches(place),
+            (None, Geometry::Plane(plane)) if instance.path.is_none() => {
+                let place = transformed(*place, &instance.object_from_world);
+                let reach = (place.size() * 0.5).dot(plane.normal.abs());
+                (place.center() - plane.point).dot(plane.normal) > reach
+            }
+            (None, _) => false,
+        }
     }
 
     /// World-space box that a camera should show and the ground should touch: the surfaces without

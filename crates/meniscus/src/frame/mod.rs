@@ -11,6 +11,7 @@ pub mod looks;
 mod path;
 mod solids;
 mod update;
+mod way;
 
 pub use build::{FrameError, FrameSettings};
 pub use environment::{Environment, EnvironmentError};
@@ -18,6 +19,7 @@ pub use looks::{Absorption, BaseColor, Coloring, GroundLook, Light, Material, Sc
 pub use path::{InstancePath, Placement};
 pub use solids::{MeshSurface, Plane, Sphere};
 pub use update::Update;
+pub use way::InstancePiece;
 
 use crate::accel::supports::SupportTree;
 use crate::accel::{Accel, Engine};

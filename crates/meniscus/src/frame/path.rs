@@ -97,6 +97,11 @@ impl InstancePath {
             || keys.windows(2).all(|pair| pair[0].matrix == pair[1].matrix)
     }
 
+    /// Times of its keys, relative to the frame.
+    pub(super) fn key_secs(&self) -> impl Iterator<Item = f64> {
+        self.times.iter().map(|time| time - self.frame_secs)
+    }
+
     /// Where the instance is at a time relative to the frame, and how that changes.
     pub fn at(&self, secs: f64) -> Placement {
         let time = self.frame_secs + secs.clamp(self.shutter[0], self.shutter[1]);

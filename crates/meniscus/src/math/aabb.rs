@@ -114,6 +114,16 @@ impl DAabb {
         }
     }
 
+    /// Whether the boxes have a point in common.
+    pub fn touches(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// Whether a point lies in the box or on its surface.
+    pub fn contains(&self, point: DVec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
     /// Midpoint.
     pub fn center(&self) -> DVec3 {
         (self.min + self.max) * 0.5

@@ -1,6 +1,7 @@
 //! Numbers, vectors, boxes, rays and SIMD lanes: no knowledge of particles or scenes.
 
 pub mod aabb;
+pub mod cubics;
 pub mod differential;
 pub mod dual;
 pub mod keyframes;

@@ -14,7 +14,7 @@ use std::ops::Range;
 pub struct StagedPicture {
     /// Looks and lights.
     pub shading: StagedShading,
-    /// The camera; it stands still.
+    /// The camera.
     pub camera: Camera,
     /// Where samples lie in their pixels.
     pub filter: PixelFilter,
@@ -24,7 +24,7 @@ pub struct StagedPicture {
     pub seed: u32,
     /// When the shutter opens and closes, in seconds relative to the frame.
     pub shutter_secs: [f64; 2],
-    /// Side of every surface at the eye.
+    /// Side of every surface at the eye, where it is the same and known.
     pub eye_side: Side,
 }
 

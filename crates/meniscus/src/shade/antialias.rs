@@ -38,7 +38,8 @@ impl SpecularFilter {
     /// the shutter is open, so what the filter changes vanishes as they become more.
     pub(super) fn new(settings: &ShadeSettings) -> Option<Self> {
         let samples = f64::from(settings.spp.max(1));
-        let shutter = settings.shutter_secs;
+        let [open, close] = settings.shutter_secs;
+        let shutter = close - open;
         settings.integrator.specular_antialiasing.then(|| Self {
             variances: [
                 PIXEL_VARIANCE / samples,
@@ -92,7 +93,7 @@ mod tests {
                 ..IntegratorSettings::default()
             },
             spp,
-            shutter_secs,
+            shutter_secs: [0.0, shutter_secs],
             ..ShadeSettings::default()
         };
         SpecularFilter::new(&settings).unwrap()

@@ -2,7 +2,7 @@
 //
 // A node's words: lower x of its eight boxes (two words), lower y, lower z, upper x, y, z, children
 // (two words), and where blobs move the same twelve bounds when the shutter closes. A leaf's:
-// (centre, count), (β of what is too fine for f32, –, –, –), then sixteen blobs.
+// (centre, count), (β of what is too fine for f32, –, –, –), then sixteen blobs: shape, motion, turn.
 
 const LEAF: u32 = 0x80000000u;
 const CHILDREN_AT: u32 = 12u;

@@ -15,6 +15,8 @@ struct Params {
     leaves_at: u32,
     // Blobs that a stretch may meet.
     capacity: u32,
+    // The middle of the shutter.
+    middle_secs: f32,
 }
 
 // 1 − q(s) = g₀ − β(s − c)² along a line.

@@ -1,7 +1,6 @@
 // Blobs that move while the shutter is open, p + (v + a′s)s with s seconds after its middle: twin of
 // intersect/particles/pool.rs and accel/particles/frontier.rs. Two more words: (v, –), (a′, –).
 
-const RATE_WORDS: u32 = 2u;
 const CLOSING_WORDS: u32 = 12u;
 
 fn blob_center(at: u32, head: vec4u) -> vec3f {

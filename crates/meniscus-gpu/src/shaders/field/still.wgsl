@@ -1,6 +1,5 @@
 // Blobs that stand still.
 
-const RATE_WORDS: u32 = 0u;
 const CLOSING_WORDS: u32 = 0u;
 
 fn blob_center(at: u32, head: vec4u) -> vec3f {

@@ -58,6 +58,12 @@ struct Picture {
     transmission_depth: u32,
     // Whether light may pass clear surfaces on its way, so that those are looked for one by one.
     light_walks: u32,
+    // The camera's way in pieces, where it moves.
+    camera_at: u32,
+    camera_pieces: u32,
+    // Planes that cut: (normal, height of the origin over it), (–, –, –, low part of the height).
+    cuts_at: u32,
+    cut_count: u32,
 }
 
 @group(0) @binding(0) var<uniform> picture: Picture;
@@ -82,6 +88,7 @@ fn number(at: u32, index: u32) -> f32 {
 
 const PLANE: u32 = 1u;
 const SPHERE: u32 = 2u;
+const MESH: u32 = 3u;
 
 fn surface_word(surface: u32) -> u32 {
     return picture.surfaces_at + surface * SURFACE_WORDS;

@@ -8,6 +8,7 @@ struct HitRecord {
     strongest: u32,
     // −∇F.
     outward: vec3f,
+    // 1: it enters; with AT_CUT: where the field is cut open.
     is_entering: u32,
 }
 

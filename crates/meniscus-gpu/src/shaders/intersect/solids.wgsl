@@ -1,4 +1,4 @@
-// Planes and spheres, the first that are asked: twin of intersect/solids.rs.
+// Planes, spheres and meshes, the first that are asked: twin of intersect/solids.rs.
 
 // How far rounding may move a point, relative to the coordinates that it went through.
 const ORIGIN_ERROR: f32 = 4e-6;
@@ -14,113 +14,132 @@ fn stated_side(question: Question, surface: u32) -> u32 {
     return select(SIDE_UNKNOWN, question.flags >> SIDE_SHIFT, is_about);
 }
 
-// Where a question meets a plane, and whether it enters; −1: nowhere.
-fn plane_crossing(question: Question, surface: u32) -> vec2f {
+// Where a question meets a surface.
+struct Crossing {
+    // −1: nowhere.
+    t: f32,
+    is_entering: bool,
+    // Outward, unit length.
+    normal: vec3f,
+    // For shading, on the same side.
+    shading: vec3f,
+    position: TwoVec3,
+    // Of a mesh: the triangle, and where the next one is crossed.
+    triangle: u32,
+    next_t: f32,
+    // Whether a plane cuts the surface open there.
+    is_cut: bool,
+    is_in_doubt: bool,
+}
+
+fn no_crossing(is_in_doubt: bool) -> Crossing {
+    let nowhere = TwoVec3(vec3f(0.0), vec3f(0.0));
+    return Crossing(-1.0, false, vec3f(0.0), vec3f(0.0), nowhere, NONE, FAR, false, is_in_doubt);
+}
+
+fn crossing_at(question: Question, t: f32, is_entering: bool, normal: vec3f) -> Crossing {
+    return Crossing(t, is_entering, normal, normal, point_along(question, t), NONE, FAR, false, false);
+}
+
+// Where a plane cuts a surface open.
+fn crossing_at_cut(question: Question, t: f32, plane: u32, is_entering: bool) -> Crossing {
+    let normal = cut_normal(plane);
+    let position = point_on_cut(question, t, plane);
+    return Crossing(t, is_entering, normal, normal, position, NONE, FAR, true, false);
+}
+
+fn plane_crossing(question: Question, surface: u32) -> Crossing {
     let at = surface_word(surface);
-    let plane = words[at + 1u];
-    let rate = dot(question.direction, plane.xyz) + dot(question.direction_low, plane.xyz);
-    let above = dot(question.origin, plane.xyz) + plane.w;
-    let height = above + (dot(question.origin_low, plane.xyz) + words[at + 2u].w);
+    var normal = words[at + 1u].xyz;
+    var height = dot(question.origin, normal) + words[at + 1u].w;
+    height += dot(question.origin_low, normal) + words[at + 2u].w;
+    var size = size_of(question.origin) + abs(words[at + 1u].w);
+    let way = way_of(surface);
+    if way.y > 0u {
+        let placement = placement_at(way, question.time);
+        if !placement.is_sure {
+            return no_crossing(true);
+        }
+        normal = turned_normal(placement, normal);
+        let moved = two_sum(question.origin, -placement.pivot.high);
+        let low = moved.low + (question.origin_low - placement.pivot.low);
+        height = dot(moved.high, normal) + dot(low, normal);
+        size = size_of(question.origin) + size_of(placement.pivot.high);
+    }
+    let rate = dot(question.direction, normal) + dot(question.direction_low, normal);
     let is_entering = rate < 0.0;
     var t = -height / rate;
     if rate == 0.0 {
-        return vec2f(-1.0, 0.0);
+        return no_crossing(false);
     }
     let side = stated_side(question, surface);
-    let error = ORIGIN_ERROR * (size_of(question.origin) + abs(plane.w));
-    if side != SIDE_UNKNOWN && (question.side_of == surface || abs(height) <= error) {
+    if side != SIDE_UNKNOWN && (question.side_of == surface || abs(height) <= ORIGIN_ERROR * size) {
         if contradicts(side, is_entering) {
-            return vec2f(-1.0, 0.0);
+            return no_crossing(false);
         }
         t = max(t, 0.0);
     }
-    return vec2f(select(-1.0, t, t >= 0.0), select(0.0, 1.0, is_entering));
+    return crossing_at(question, select(-1.0, t, t >= 0.0), is_entering, normal);
 }
 
-// The same of a sphere.
-fn sphere_crossing(question: Question, surface: u32) -> vec2f {
+// A question as a sphere of radius 1 around the origin sees it.
+fn sphere_ray(question: Question, surface: u32) -> ObjectRay {
     let at = surface_word(surface);
     let sphere = words[at + 1u];
-    let from_center = two_sum(question.origin, -sphere.xyz);
-    let low = from_center.low + (question.origin_low - words[at + 2u].xyz);
-    let origin = (from_center.high + low) / sphere.w;
-    let middle = -dot(origin, question.direction);
-    let nearest = origin + question.direction * middle;
+    let moved = two_sum(question.origin, -sphere.xyz);
+    let low = moved.low + (question.origin_low - words[at + 2u].xyz);
+    return ObjectRay(
+        TwoVec3(moved.high / sphere.w, low / sphere.w),
+        TwoVec3(question.direction, question.direction_low),
+        sphere.w,
+    );
+}
+
+fn sphere_crossing(question: Question, surface: u32, span: Span) -> Crossing {
+    let way = way_of(surface);
+    var placement: Placement;
+    var ray: ObjectRay;
+    if way.y > 0u {
+        placement = placement_at(way, question.time);
+        if !placement.is_sure {
+            return no_crossing(true);
+        }
+        ray = object_ray(placement, question);
+    } else {
+        ray = sphere_ray(question, surface);
+    }
+    let origin = ray.origin.high + ray.origin.low;
+    let direction = ray.direction.high;
+    let middle = -dot(origin, direction);
+    let nearest = origin + direction * middle;
     let discriminant = 1.0 - dot(nearest, nearest);
-    if !(discriminant >= 0.0) {
-        return vec2f(-1.0, 0.0);
+    if span.is_empty || !(discriminant >= 0.0) {
+        return no_crossing(false);
     }
     let half = sqrt(discriminant);
-    let side = stated_side(question, surface);
-    let error = ORIGIN_ERROR * (1.0 + size_of(question.origin) / sphere.w);
+    // Counted from the middle: what is kept of the ray, and where that is inside.
+    let start = span.enter / ray.unit - middle;
+    let end = in_object(ray, span.leave) - middle;
+    if span.enter_plane != NONE && abs(start) < half {
+        return crossing_at_cut(question, span.enter, span.enter_plane, true);
+    }
+    let side = select(SIDE_OUTSIDE, stated_side(question, surface), span.enter_plane == NONE);
+    let error = ORIGIN_ERROR * (1.0 + size_of(question.origin) / ray.unit);
+    let is_stated = span.enter_plane == NONE && question.side_of == surface;
     let is_own_start = side != SIDE_UNKNOWN
-        && (question.side_of == surface || abs(length(origin) - 1.0) <= error);
-    let first = middle - half;
-    if first >= 0.0 && !(is_own_start && contradicts(side, true)) {
-        return vec2f(first * sphere.w, 1.0);
-    }
-    let second = middle + half;
-    if second >= 0.0 && !(is_own_start && contradicts(side, false)) {
-        return vec2f(second * sphere.w, 0.0);
-    }
-    return vec2f(-1.0, 0.0);
-}
-
-// The point of a question at `t`, as a sum of two f32.
-fn point_along(question: Question, t: f32) -> TwoVec3 {
-    let way = two_product(question.direction, vec3f(t));
-    let sum = two_sum(question.origin, way.high);
-    let low = sum.low + way.low + question.direction_low * t + question.origin_low;
-    return two_sum(sum.high, low);
-}
-
-@compute @workgroup_size(WORKGROUP)
-fn solids(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let index = number_of(group, groups, lane);
-    if index >= picture.count {
-        return;
-    }
-    for (var kind = 0u; kind < 2u; kind++) {
-        let place = kind * lights_at() + index;
-        let question = questions[place];
-        if (question.flags & IS_ASKED) == 0u {
-            continue;
+        && (is_stated || abs(length(nearest + direction * start) - 1.0) <= error);
+    let may_enter = -half >= start && !(is_own_start && contradicts(side, true));
+    let may_leave = half >= start && !(is_own_start && contradicts(side, false));
+    let along = select(half, -half, may_enter);
+    if (may_enter || may_leave) && along <= end {
+        var normal = normalize(nearest + direction * along);
+        if way.y > 0u {
+            normal = turned_normal(placement, normal);
         }
-        var answer = nothing_there(question.t_max);
-        for (var surface = 0u; surface < picture.surface_count; surface++) {
-            let shape = u32(words[surface_word(surface)].x);
-            var crossing = vec2f(-1.0, 0.0);
-            if shape == PLANE {
-                crossing = plane_crossing(question, surface);
-            } else if shape == SPHERE {
-                crossing = sphere_crossing(question, surface);
-            }
-            if crossing.x < 0.0 || crossing.x > answer.t {
-                if crossing.x >= 0.0 {
-                    answer.next_t = min(answer.next_t, crossing.x);
-                }
-                continue;
-            }
-            if answer.surface != NONE {
-                answer.next_t = answer.t;
-            }
-            let point = point_along(question, crossing.x);
-            answer.position = point.high;
-            answer.position_low = point.low;
-            answer.t = crossing.x;
-            answer.surface = surface;
-            answer.is_entering = u32(crossing.y);
-            let shape_word = words[surface_word(surface) + 1u];
-            if shape == PLANE {
-                answer.normal = shape_word.xyz;
-            } else {
-                answer.normal = normalize(point.high - shape_word.xyz);
-            }
-        }
-        answers[place] = answer;
+        return crossing_at(question, (middle + along) * ray.unit, may_enter, normal);
     }
+    if span.leave_plane != NONE && side != SIDE_OUTSIDE && abs(end) < half {
+        return crossing_at_cut(question, span.leave, span.leave_plane, false);
+    }
+    return no_crossing(false);
 }

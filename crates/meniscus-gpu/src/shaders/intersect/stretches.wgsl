@@ -152,6 +152,33 @@ fn shows_side(start: Start) -> bool {
     return is_clear && (above > 0.0) == is_inside;
 }
 
+// In a ray's flags: where it starts inside, and where it is inside at its end, its field is cut open.
+const STOPS_INSIDE: u32 = 16u;
+const ENDS_AT_CUT: u32 = 32u;
+// In a hit's `is_entering`.
+const AT_CUT: u32 = 2u;
+
+// Where the field is cut open.
+fn at_cut(along: f32, entering: u32, wants_any: bool) -> HitRecord {
+    if wants_any {
+        return nothing(HIT);
+    }
+    var record = surface_at(along);
+    record.is_entering = AT_CUT | entering;
+    return record;
+}
+
+// The end of a ray that met nothing.
+fn at_end(on_stated_side: bool, wants_any: bool) -> HitRecord {
+    if (ray.flags & ENDS_AT_CUT) == 0u || !is_inside {
+        return nothing(MISS);
+    }
+    if !on_stated_side {
+        return nothing(IN_DOUBT);
+    }
+    return at_cut(ray.length - base, 0u, wants_any);
+}
+
 fn first_behind(start: Start, wants_any: bool) -> HitRecord {
     var side_is_proven = start.side_is_proven;
     var asks_side = start.asks_side;
@@ -174,6 +201,9 @@ fn first_behind(start: Start, wants_any: bool) -> HitRecord {
             is_inside = above > 0.0;
             side_is_proven = true;
             asks_side = false;
+            if is_inside && (ray.flags & STOPS_INSIDE) != 0u {
+                return at_cut(-base, 1u, wants_any);
+            }
         }
         if step == 0u && start.must_show && !shows_side(start) {
             return nothing(IN_DOUBT);
@@ -189,7 +219,7 @@ fn first_behind(start: Start, wants_any: bool) -> HitRecord {
         }
         if !(stretch_end > solved) {
             if stretch_end >= ray.length {
-                return nothing(MISS);
+                return at_end(on_stated_side, wants_any);
             }
             // Supports below the rounding of places along the ray.
             return nothing(IN_DOUBT);
@@ -236,7 +266,7 @@ fn first_behind(start: Start, wants_any: bool) -> HitRecord {
         }
         solved = stretch_end;
         if solved >= ray.length {
-            return nothing(MISS);
+            return at_end(on_stated_side, wants_any);
         }
     }
     return nothing(IN_DOUBT);

@@ -1,21 +1,55 @@
 // The camera: from a place on the film to the direction through it, as a sum of two f32. Twin of
 // scene/camera/.
 
-fn direction_through(pixel: vec2u, offset: vec2f) -> TwoVec3 {
+// A camera at one time: its eye, its axes, the side of a pixel at distance 1.
+struct View {
+    eye: TwoVec3,
+    forward: TwoVec3,
+    right: TwoVec3,
+    above: TwoVec3,
+    pixel_side: vec2f,
+    // Whether it could be told.
+    is_sure: bool,
+}
+
+// The vectors of a camera's way.
+const CAMERA_VECTORS: u32 = 5u;
+
+// When `part` of the shutter's time is over.
+fn view_at(part: f32) -> View {
+    if picture.camera_pieces == 0u {
+        return View(
+            TwoVec3(picture.eye, picture.eye_low),
+            TwoVec3(picture.forward, picture.forward_low),
+            TwoVec3(picture.right, picture.right_low),
+            TwoVec3(picture.above, picture.above_low),
+            vec2f(picture.pixel_side, picture.pixel_side_low),
+            true,
+        );
+    }
+    let there = piece_there(picture.camera_at, picture.camera_pieces, CAMERA_VECTORS, part);
+    let side = vector_there(there, 4u);
+    return View(
+        vector_there(there, 0u), vector_there(there, 1u), vector_there(there, 2u), vector_there(there, 3u),
+        vec2f(side.high.x, side.low.x), there.is_close,
+    );
+}
+
+fn direction_through(view: View, pixel: vec2u, offset: vec2f) -> TwoVec3 {
     let half_size = vec2f(picture.half_width, picture.half_height);
     let from_middle = vec3f((vec2f(pixel) + 0.5 - half_size) * vec2f(1.0, -1.0), 0.0);
-    let more = vec3f(offset * vec2f(1.0, -1.0), 0.0) * picture.pixel_side;
-    let side = two_product(from_middle, vec3f(picture.pixel_side));
+    let more = vec3f(offset * vec2f(1.0, -1.0), 0.0) * view.pixel_side.x;
+    let side = two_product(from_middle, vec3f(view.pixel_side.x));
     let sum = two_sum(side.high, more);
     let at = sum.high;
-    let at_low = sum.low + side.low + from_middle * picture.pixel_side_low;
-    let rightwards = two_product(picture.right, vec3f(at.x));
-    let upwards = two_product(picture.above, vec3f(at.y));
-    let first = two_sum(picture.forward, rightwards.high);
+    let at_low = sum.low + side.low + from_middle * view.pixel_side.y;
+    let rightwards = two_product(view.right.high, vec3f(at.x));
+    let upwards = two_product(view.above.high, vec3f(at.y));
+    let first = two_sum(view.forward.high, rightwards.high);
     let second = two_sum(first.high, upwards.high);
     let low = first.low + second.low + rightwards.low + upwards.low
-        + (picture.forward_low + picture.right_low * at.x + picture.above_low * at.y)
-        + (picture.right * at_low.x + picture.above * at_low.y);
+        + (view.forward.low + view.right.low * at.x + view.above.low * at.y)
+        + (view.right.high * at_low.x + view.above.high * at_low.y);
     // Any factor keeps the direction.
     let scale = vec3f(inverseSqrt(1.0 + dot(at, at)));
     let unit = two_product(second.high, scale);

@@ -34,6 +34,8 @@ struct Answer {
     // Outward.
     normal: vec3f,
     blob: u32,
+    // For shading, on the same side.
+    shading: vec3f,
     // Where something else stands behind.
     next_t: f32,
     is_entering: u32,
@@ -106,7 +108,7 @@ fn lights_at() -> u32 {
 }
 
 fn nothing_there(t: f32) -> Answer {
-    return Answer(vec3f(0.0), t, vec3f(0.0), NONE, vec3f(0.0), NONE, FAR, 0u, 0u);
+    return Answer(vec3f(0.0), t, vec3f(0.0), NONE, vec3f(0.0), NONE, vec3f(0.0), FAR, 0u, 0u);
 }
 
 // A question from the place of an answer on.

@@ -141,8 +141,14 @@ fn coefficients(sources: u32) -> vec3f {
     return -log(clamp(left, vec3f(1e-6), vec3f(1.0))) / depth.w * scale;
 }
 
+// Where the field stands at the question's time, if it has a way.
+var<private> placement: Placement;
+
 // A point in the field's space, from one in the stages'.
 fn in_field(high: vec3f, low: vec3f) -> TwoVec3 {
+    if way_of(field_place.surface).y > 0u {
+        return point_in_object(placement, TwoVec3(high, low));
+    }
     let moved = two_sum(high, -field_place.offset);
     return two_sum(moved.high, moved.low + (low - field_place.offset_low));
 }
@@ -193,6 +199,10 @@ fn look(place: u32, media: u32, meets_lamps: bool) {
     ray.elapsed = 0.0;
     if field_place.close > field_place.open {
         ray.elapsed = (time - field_place.open) / (field_place.close - field_place.open);
+    }
+    let way = way_of(field_place.surface);
+    if way.y > 0u {
+        placement = placement_at(way, question.time);
     }
     let sources = material_word(field_place.surface) + 5u;
     let own = material_of(field_place.surface);

@@ -46,13 +46,15 @@ fn begin(
         let u = draw_2d(sampler, 0u);
         offset = vec2f(filter_offset(u.x), filter_offset(u.y));
     }
-    var time = picture.shutter_open;
+    var part = 0.0;
     if picture.shutter_secs > 0.0 {
-        time += picture.shutter_secs * part_of_shutter(pixel, sample);
+        part = part_of_shutter(pixel, sample);
     }
-    let direction = direction_through(pixel, offset);
+    let time = picture.shutter_open + picture.shutter_secs * part;
+    let view = view_at(part);
+    let direction = direction_through(view, pixel, offset);
     questions[index] = Question(
-        picture.eye, FAR, picture.eye_low, IS_ASKED | (picture.eye_side << SIDE_SHIFT), direction.high,
+        view.eye.high, FAR, view.eye.low, IS_ASKED | (picture.eye_side << SIDE_SHIFT), direction.high,
         NONE, direction.low, time,
     );
     questions[lights_at() + index].flags = 0u;
@@ -60,4 +62,9 @@ fn begin(
         sampler.seed, sampler.index, 0u, vec3f(0.0), picture.media, vec3f(1.0), 0u, vec3f(0.0), 0u,
         vec3f(0.0), FAR, vec3u(0u), 0u, 0.0, 0u,
     );
+    if !view.is_sure {
+        questions[index].flags = 0u;
+        states[index].phase = DONE;
+        seen[index] = Seen(vec3f(0.0), OUTCOME_IN_DOUBT, vec3f(0.0), NONE, vec3f(0.0), NONE);
+    }
 }

@@ -26,7 +26,7 @@ fn finish_on_surface(index: u32, radiance: vec3f, first: Answer, direction: vec3
         all = radiance * opacity + behind(direction) * (1.0 - opacity);
     }
     let outcome = OUTCOME_SURFACE | select(0u, OUTCOME_ENTERING, first.is_entering != 0u);
-    finish(index, Seen(all, outcome, first.position, first.surface, first.normal, first.blob));
+    finish(index, Seen(all, outcome, first.position, first.surface, first.shading, first.blob));
 }
 
 // Whether one of a sample's rays has no sure answer; its unasked questions have none.

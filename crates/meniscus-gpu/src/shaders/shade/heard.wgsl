@@ -64,7 +64,7 @@ fn remember_first(index: u32, answer: Answer, direction: vec3f) -> f32 {
         shown = behind(direction) * (1.0 - opacity);
     }
     let outcome = OUTCOME_SURFACE | select(0u, OUTCOME_ENTERING, answer.is_entering != 0u);
-    seen[index] = Seen(shown, outcome, answer.position, answer.surface, answer.normal, answer.blob);
+    seen[index] = Seen(shown, outcome, answer.position, answer.surface, answer.shading, answer.blob);
     return opacity;
 }
 

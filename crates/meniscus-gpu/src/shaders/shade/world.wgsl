@@ -28,9 +28,18 @@ fn contact_of(answer: Answer, material: Material, media: u32, origin: vec3f) -> 
     return Contact(beyond, is_boundary, answer.next_t - answer.t <= near || is_at_start);
 }
 
-// The normal on the viewer's side.
-fn viewed_normal(answer: Answer) -> vec3f {
-    return select(-answer.normal, answer.normal, answer.is_entering != 0u);
+// The normal on the viewer's side: that for shading, unless `of_face` or it turns away from the viewer.
+fn viewed_normal(answer: Answer, direction: vec3f, of_face: bool) -> vec3f {
+    let towards = select(-1.0, 1.0, answer.is_entering != 0u);
+    let is_turned_away = dot(answer.shading, direction) * towards >= 0.0;
+    return select(answer.shading, answer.normal, of_face || is_turned_away) * towards;
+}
+
+// Whether a direction lies on the same side of the face as of the shading normal: twin of
+// Interaction::agrees.
+fn agrees(answer: Answer, direction: vec3f, on_viewers_side: bool) -> bool {
+    let is_outwards = on_viewers_side == (answer.is_entering != 0u);
+    return all(answer.shading == answer.normal) || (dot(direction, answer.normal) > 0.0) == is_outwards;
 }
 
 // A ray behind a surface that does not turn it.
@@ -60,7 +69,8 @@ struct Point {
 }
 
 fn point_of(answer: Answer, material: Material, direction: vec3f, least: f32, indices: vec2f) -> Point {
-    let normal = viewed_normal(answer);
+    // Bodies refract by the face, so that what goes in comes out.
+    let normal = viewed_normal(answer, direction, material.is_medium);
     let axes = tangents(normal);
     var view = -vec3f(dot(axes[0], direction), dot(axes[1], direction), dot(normal, direction));
     view.z = max(view.z, 1e-5);
@@ -77,7 +87,7 @@ fn to_local(point: Point, world: vec3f) -> vec3f {
 
 // The thin sheet that a ray in some media meets.
 fn sheet_at(answer: Answer, material: Material, direction: vec3f, media: u32) -> Sheet {
-    let cosine = -dot(viewed_normal(answer), direction);
+    let cosine = -dot(viewed_normal(answer, direction, false), direction);
     return sheet_of(cosine, ior_in(media) / material.ior, material.absorption);
 }
 

@@ -215,7 +215,6 @@ pub(super) struct Block {
 /// Outside where the eye lies beyond the supports of all blobs, meshes and spheres and above all planes, so that no
 /// primary ray has to ask; unknown otherwise.
 pub(super) fn eye_side(frame: &Frame, bounds: &DAabb, eye: DVec3) -> Side {
-    let in_bounds = bounds.min.cmple(eye).all() && eye.cmple(bounds.max).all();
     let above_planes = frame.instances.iter().all(|instance| {
         match &frame.geometries[instance.geometry as usize] {
             Geometry::Blobs(_) | Geometry::Mesh(_) | Geometry::Sphere(_) => true,
@@ -225,7 +224,7 @@ pub(super) fn eye_side(frame: &Frame, bounds: &DAabb, eye: DVec3) -> Side {
             }
         }
     });
-    if !in_bounds && above_planes {
+    if !bounds.contains(eye) && above_planes {
         Side::Outside
     } else {
         Side::Unknown

@@ -34,7 +34,10 @@ where
         let stages = stages.ok_or(Unstaged::Engine)?;
         let shading = self.shader.staged()?;
         let size = self.bounds.size().max_element();
-        if self.camera.eye.distance(self.bounds.center()) > FARTHEST_EYE * size {
+        let eye = self.camera.eye_bounds(self.settings.shutter_secs);
+        let center = self.bounds.center();
+        let farthest = (eye.max - center).max(center - eye.min).length();
+        if farthest > FARTHEST_EYE * size {
             return Err(Unstaged::FarEye);
         }
         let origin = shading.origin;

@@ -4,10 +4,12 @@ mod framing;
 mod path;
 mod settings;
 mod turntable;
+mod way;
 
 pub(crate) use framing::horizontal_axes;
 pub use path::CameraKey;
 pub use settings::{CameraSettings, Up, UpError};
+pub use way::CameraPiece;
 
 use crate::math::differential::RayDifferential;
 use crate::math::ray::Ray;

@@ -31,8 +31,8 @@ pub struct CameraKey {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CameraPath {
     /// Time of the frame, in seconds of the scene.
-    frame_secs: f64,
-    eye: Curve,
+    pub(super) frame_secs: f64,
+    pub(super) eye: Curve,
     target: Curve,
     up: Curve,
     /// Its x is the field of view in radians.
@@ -40,7 +40,7 @@ pub(super) struct CameraPath {
     size: [u32; 2],
     /// At the keys, for where the curves define no camera.
     at_keys: Vec<Camera>,
-    times: Vec<f64>,
+    pub(super) times: Vec<f64>,
 }
 
 impl CameraPath {
@@ -79,7 +79,7 @@ impl CameraPath {
     }
 
     /// Where the curves define no camera it looks as at the key before, from where it is.
-    fn at(&self, secs: f64) -> Camera {
+    pub(super) fn at(&self, secs: f64) -> Camera {
         self.try_at(secs).unwrap_or_else(|_| {
             let time = self.frame_secs + secs;
             let (key, _) = place(&self.times, time);

@@ -13,6 +13,7 @@ use super::rays::{EyeRays, Seen, ShadeScratch};
 use super::world::World;
 use crate::frame::Frame;
 use crate::intersect::{BlobTracer, Hit};
+use crate::math::aabb::DAabb;
 use crate::math::ray::Ray;
 use crate::math::sampling::PixelSampler;
 use crate::scene::{Background, IntegratorKind, IntegratorSettings};
@@ -35,12 +36,12 @@ pub struct ShadeSettings {
     pub with_attributes: bool,
     /// Camera samples per pixel, over which `ao` deals out its rays.
     pub spp: u32,
-    /// Where the eye's rays start: the media there surround the camera.
+    /// Where the eye's rays start at the frame's time: the media there surround the camera.
     pub eye: DVec3,
-    /// Whether they start elsewhere at other times.
-    pub eye_moves: bool,
-    /// How long the shutter is open, for specular antialiasing.
-    pub shutter_secs: f64,
+    /// Box around where they start while the shutter is open, if that is not always the same place.
+    pub eye_bounds: Option<DAabb>,
+    /// When the shutter opens and closes, in seconds relative to the frame.
+    pub shutter_secs: [f64; 2],
 }
 
 impl Default for ShadeSettings {
@@ -51,8 +52,8 @@ impl Default for ShadeSettings {
             with_attributes: false,
             spp: 1,
             eye: DVec3::ZERO,
-            eye_moves: false,
-            shutter_secs: 0.0,
+            eye_bounds: None,
+            shutter_secs: [0.0; 2],
         }
     }
 }
@@ -97,17 +98,32 @@ impl Gathered {
     }
 }
 
+/// Media around the eye while the shutter is open; `None` where they may be others at other times.
+fn media_at_eye(frame: &Frame, settings: &ShadeSettings) -> Option<MediumStack> {
+    let [open, close] = settings.shutter_secs;
+    let moves = settings.eye_bounds.is_some() || frame.moves();
+    if open == close || !moves {
+        return Some(MediumStack::at(frame, settings.eye, 0.0));
+    }
+    let eye = settings.eye_bounds.unwrap_or(DAabb {
+        min: settings.eye,
+        max: settings.eye,
+    });
+    let is_medium = |surface: u32| {
+        let material = frame.instances[surface as usize].material;
+        frame.materials[material as usize].is_medium()
+    };
+    (0..frame.instances.len() as u32)
+        .filter(|&surface| is_medium(surface))
+        .all(|surface| frame.is_outside(surface, &eye, settings.shutter_secs))
+        .then(MediumStack::default)
+}
+
 impl<'a> Shader<'a> {
     /// A shader for `frame`.
     pub fn new(frame: &'a Frame, settings: &ShadeSettings) -> Self {
-        let has_media = || {
-            let mut instances = frame.instances.iter();
-            instances.any(|instance| frame.materials[instance.material as usize].is_medium())
-        };
-        let is_open = settings.shutter_secs > 0.0;
-        let is_settled = !(is_open && (settings.eye_moves || frame.moves()) && has_media());
         Self {
-            media: is_settled.then(|| MediumStack::at(frame, settings.eye, 0.0)),
+            media: media_at_eye(frame, settings),
             ambient: Ambient::new(frame),
             gloss: frame
                 .materials

@@ -1,12 +1,15 @@
 //! What a device is told whose own stages shade: a frame's looks and lights, and what they leave here.
 
+mod restored;
+mod surfaces;
 mod unstaged;
 mod varying;
 mod words;
 
+pub use surfaces::SURFACE_WORDS;
 pub use unstaged::{MOST_SURFACES, Unstaged};
 pub use varying::{MAP_ENTRIES, MOST_COLUMNS, NO_NUMBER, StagedColumns};
-pub use words::{ALBEDO_ENTRIES, AMBIENT_WORDS, EMITTER_WORDS, MATERIAL_WORDS, SURFACE_WORDS};
+pub use words::{ALBEDO_ENTRIES, AMBIENT_WORDS, EMITTER_WORDS, MATERIAL_WORDS};
 
 use super::Shader;
 use super::integrator::Gathered;
@@ -15,6 +18,7 @@ use crate::frame::Light;
 use crate::intersect::Hit;
 use crate::scene::{Background, IntegratorKind, IntegratorSettings};
 use glam::{DVec3, Vec3};
+use words::AllWords;
 
 /// A blob surface of the frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +27,7 @@ pub struct StagedField {
     pub surface: u32,
     /// Its geometry.
     pub geometry: u32,
-    /// Where the field's origin lies, relative to [`StagedShading::origin`].
+    /// Where the field's origin lies at the frame's time, relative to [`StagedShading::origin`].
     pub offset: DVec3,
     /// What its looks follow.
     pub columns: StagedColumns,
@@ -34,13 +38,16 @@ pub struct StagedField {
 pub struct StagedShading {
     /// World point that all positions are relative to.
     pub origin: DVec3,
-    /// Surfaces, materials, lights, tables.
+    /// Meshes, ways, surfaces, materials, lights, tables.
     pub words: Vec<[f32; 4]>,
     /// Word of the first surface, material, light, of the light from all around, and of the table of what
     /// rough metals keep.
     pub places: [u32; 5],
     /// Surfaces and lights.
     pub counts: [u32; 2],
+    /// Word of the first plane that cuts, and how many there are: (normal, height of the origin over it),
+    /// (–, –, –, low part of the height).
+    pub cuts: [u32; 2],
     /// Lights that cast hard shadows.
     pub hard_lights: u32,
     /// Blob surfaces.
@@ -82,7 +89,7 @@ impl Shader<'_> {
             fields.push(StagedField {
                 surface,
                 geometry: instance.geometry,
-                offset: blobs.field.origin + instance.world_from_object.translation,
+                offset: (instance.world_from_object).transform_point3(blobs.field.origin),
                 columns: self.columns(surface)?,
             });
         }
@@ -90,7 +97,11 @@ impl Shader<'_> {
         for field in &mut fields {
             field.offset -= origin;
         }
-        let (words, places) = self.staged_words(origin)?;
+        let AllWords {
+            words,
+            places,
+            cuts,
+        } = self.staged_words(origin)?;
         let hard_lights = frame.lights.iter().filter(|light| is_hard(light)).count();
         let media = self
             .media
@@ -100,6 +111,7 @@ impl Shader<'_> {
             origin,
             words,
             places,
+            cuts: [cuts, frame.clips.len() as u32],
             counts: [frame.instances.len() as u32, frame.lights.len() as u32],
             hard_lights: hard_lights as u32,
             fields,
@@ -129,6 +141,7 @@ impl Shader<'_> {
         time_secs: f64,
         scratch: &mut ShadeScratch,
     ) -> Seen {
+        let hit = hit.map(|hit| self.restored(hit, time_secs));
         scratch.attributes.time_secs = time_secs;
         let first = hit.map(|hit| (hit, self.world.look(&hit, scratch).0));
         let gathered = Gathered {

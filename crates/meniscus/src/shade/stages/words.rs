@@ -3,9 +3,10 @@
 //! What each word holds stands here, beside the code that writes it; the device's twin is
 //! `shaders/frame/looks.wgsl` of `meniscus-gpu`. Numbers that count or choose are written as floats.
 
+use super::surfaces::{all_surface_words, plane_words};
 use super::varying::Varying;
 use super::{Shader, Unstaged};
-use crate::frame::{BaseColor, Frame, Geometry, Instance};
+use crate::frame::BaseColor;
 use crate::shade::bsdf::{self, AlbedoTable};
 use crate::shade::light::{Emitter, Sky};
 use crate::shade::world::Prepared;
@@ -14,9 +15,6 @@ use glam::{DVec3, Vec3};
 /// Words whose numbers floats still tell apart.
 const MOST_WORDS: u32 = 1 << 24;
 
-/// Words per surface: (kind, material, –, –), then of a plane (normal, height of the origin over it),
-/// (–, –, –, low part of the height), of a sphere (centre, radius), (low part of the centre, –).
-pub const SURFACE_WORDS: u32 = 3;
 /// Words per material.
 pub const MATERIAL_WORDS: u32 = 11;
 /// Words per light.
@@ -27,9 +25,18 @@ pub const ALBEDO_ENTRIES: u32 = bsdf::ALBEDO_ENTRIES as u32;
 /// default sky's horizon, zenith, nadir.
 pub const AMBIENT_WORDS: u32 = 17;
 
+/// Everything that is packed.
+pub(super) struct AllWords {
+    pub(super) words: Vec<[f32; 4]>,
+    /// As [`super::StagedShading::places`].
+    pub(super) places: [u32; 5],
+    /// The word of the first plane that cuts.
+    pub(super) cuts: u32,
+}
+
 /// Words under way.
 #[derive(Default)]
-pub(super) struct Words(Vec<[f32; 4]>);
+pub(super) struct Words(pub(super) Vec<[f32; 4]>);
 
 impl Words {
     /// Where the next word goes.
@@ -69,27 +76,28 @@ impl Words {
 }
 
 /// The leading digits of a vector, and the rest.
-fn halves(v: DVec3) -> [Vec3; 2] {
+pub(super) fn halves(v: DVec3) -> [Vec3; 2] {
     let high = v.as_vec3();
     [high, (v - high.as_dvec3()).as_vec3()]
 }
 
 impl Shader<'_> {
-    /// All words, and those where surfaces, materials, lights, the light from all around, and the table of
-    /// what rough metals keep begin.
-    pub(super) fn staged_words(
-        &self,
-        origin: DVec3,
-    ) -> Result<(Vec<[f32; 4]>, [u32; 5]), Unstaged> {
+    /// All words, and where they begin.
+    pub(super) fn staged_words(&self, origin: DVec3) -> Result<AllWords, Unstaged> {
         let frame = self.world.frame;
         let mut words = Words::default();
         let images: Vec<u32> = (self.world.lights.emitters.iter())
             .map(|emitter| image_words(emitter, &mut words))
             .collect();
-        let surfaces = words.here();
-        for instance in &frame.instances {
-            surface_words(frame, instance, origin, &mut words);
+        let cuts = words.here();
+        for plane in &frame.clips {
+            plane_words(
+                plane.normal,
+                (origin - plane.point).dot(plane.normal),
+                &mut words,
+            );
         }
+        let surfaces = all_surface_words(frame, self.settings.shutter_secs, origin, &mut words);
         let tables = self.material_tables(&mut words);
         let varying: Vec<Varying> = (0..frame.materials.len())
             .map(|index| self.varying(index, &mut words))
@@ -109,7 +117,11 @@ impl Shader<'_> {
         self.ambient_words(&mut words);
         let full = words.albedo(AlbedoTable::full());
         let places = [surfaces, materials, emitters, ambient, full];
-        Ok((words.0, places))
+        Ok(AllWords {
+            words: words.0,
+            places,
+            cuts,
+        })
     }
 
     /// Tables of each material: of its coat, or of its boundary seen from the thin and the dense side.
@@ -184,34 +196,6 @@ fn constant_of(color: &BaseColor) -> [f32; 3] {
     match color {
         BaseColor::Constant(color) => *color,
         BaseColor::Attribute(_) | BaseColor::Direct(_) => [0.0; 3],
-    }
-}
-
-fn surface_words(frame: &Frame, instance: &Instance, origin: DVec3, words: &mut Words) {
-    let head = |kind: f32| Vec3::new(kind, instance.material as f32, 0.0);
-    match &frame.geometries[instance.geometry as usize] {
-        Geometry::Plane(plane) => {
-            let normal = instance.object_from_world.matrix3.transpose() * plane.normal;
-            let normal = normal.normalize_or_zero();
-            let point = instance.world_from_object.transform_point3(plane.point);
-            let height = DVec3::X * (origin - point).dot(normal);
-            let [height, rest] = halves(height);
-            words.push(head(1.0), 0.0);
-            words.push(normal.as_vec3(), height.x);
-            words.push(Vec3::ZERO, rest.x);
-        }
-        Geometry::Sphere(sphere) => {
-            let center = instance.world_from_object.transform_point3(sphere.center);
-            let [center, rest] = halves(center - origin);
-            words.push(head(2.0), 0.0);
-            words.push(center, sphere.radius as f32);
-            words.push(rest, 0.0);
-        }
-        Geometry::Blobs(_) | Geometry::Mesh(_) => {
-            words.push(head(0.0), 0.0);
-            words.push(Vec3::ZERO, 0.0);
-            words.push(Vec3::ZERO, 0.0);
-        }
     }
 }
 

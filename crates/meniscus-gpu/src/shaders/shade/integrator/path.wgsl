@@ -71,7 +71,8 @@ fn ask_light(index: u32, state: ptr<function, State>, answer: Answer, point: Poi
     }
     let local = to_local(point, light.towards);
     let on_viewers_side = local.z > 0.0;
-    if !(on_viewers_side || is_two_sided(point.bsdf)) {
+    let is_lit_from_there = on_viewers_side || is_two_sided(point.bsdf);
+    if !(is_lit_from_there && agrees(answer, light.towards, on_viewers_side)) {
         return;
     }
     let scattered = bsdf_evaluate(point.bsdf, point.view, local);
@@ -124,6 +125,9 @@ fn turn(
         (*state).media = beyond;
     }
     let direction = to_world(point, sample.light);
+    if !agrees(answer, direction, on_viewers_side) {
+        return false;
+    }
     (*state).scattered_at = answer.position;
     (*state).density = sample.density;
     if !is_far(sample.density) {

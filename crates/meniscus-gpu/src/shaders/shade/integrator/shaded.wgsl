@@ -5,7 +5,7 @@
 const WALL_TRANSMISSION: f32 = 0.6;
 
 fn faces(hit: Answer, light: LightSample) -> bool {
-    return light.is_there && dot(hit.normal, light.towards) > 0.0;
+    return light.is_there && dot(hit.shading, light.towards) > 0.0 && dot(hit.normal, light.towards) > 0.0;
 }
 
 // Asks about the next light from number `first` on; false where there is none.
@@ -37,8 +37,9 @@ fn shade(
     let direction = questions[index].direction;
     let material = material_at(index);
     let towards_eye = -direction;
-    let normal = hit.normal;
-    let from_inside = dot(normal, towards_eye) < 0.0;
+    let from_inside = dot(hit.normal, towards_eye) < 0.0;
+    // It may turn away from the eye where the face does not.
+    let normal = hit.shading;
     var facing = dot(normal, towards_eye);
     if !from_inside {
         facing = max(facing, 1e-3);

@@ -69,6 +69,9 @@ fn follow(
         }
         return;
     }
+    if !agrees(answer, direction, on_viewers_side) {
+        return;
+    }
     let height = (*state).kinds.z;
     if branch_place(index, height) >= arrayLength(&branches) {
         (*state).flags |= IN_DOUBT;
@@ -171,8 +174,11 @@ fn ask_light(index: u32, state: ptr<function, State>, meeting: Meeting) -> bool 
         if all(scattered == vec3f(0.0)) {
             continue;
         }
-        count(COUNT_SHADOW);
         let on_viewers_side = local.z > 0.0;
+        if !agrees(answer, light.towards, on_viewers_side) {
+            continue;
+        }
+        count(COUNT_SHADOW);
         (*state).pending = (*state).throughput * meeting.opacity * scattered * light.weight;
         (*state).light_weight = 1.0;
         (*state).light_media = select(meeting.beyond, (*state).media, on_viewers_side);

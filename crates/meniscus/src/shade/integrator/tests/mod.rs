@@ -4,6 +4,7 @@ mod antialias;
 mod closed_forms;
 mod contacts;
 mod energy;
+mod eye;
 
 use super::*;
 use crate::field::{BlobField, FieldAttribute, Search};

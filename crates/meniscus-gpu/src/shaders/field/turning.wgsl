@@ -1,0 +1,31 @@
+// Ellipsoids that turn and stretch while the shutter is open, q = |A·N(t)·(x − p(t))|² with
+// N(t) = I − tL + ½t²L²: twin of field/turning.rs and intersect/particles/turning.rs. Three more words behind
+// those of the motion: the rows of L, the velocity gradient.
+
+const TURN_AT: u32 = SHAPE_WORDS + 2u;
+
+// tL of a blob by its rows, t from the frame's time on.
+fn turn_of(at: u32) -> array<vec3f, 3> {
+    let secs = params.middle_secs + ray.since_middle_secs;
+    return array(
+        bitcast<vec3f>(heap(at + TURN_AT).xyz) * secs,
+        bitcast<vec3f>(heap(at + TURN_AT + 1u).xyz) * secs,
+        bitcast<vec3f>(heap(at + TURN_AT + 2u).xyz) * secs,
+    );
+}
+
+// N·d.
+fn blob_turned(at: u32, d: vec3f) -> vec3f {
+    let x = turn_of(at);
+    let once = vec3f(dot(x[0], d), dot(x[1], d), dot(x[2], d));
+    let twice = vec3f(dot(x[0], once), dot(x[1], once), dot(x[2], once));
+    return (d - once) + 0.5 * twice;
+}
+
+// Nᵀ·y.
+fn blob_turned_back(at: u32, y: vec3f) -> vec3f {
+    let x = turn_of(at);
+    let once = x[0] * y.x + x[1] * y.y + x[2] * y.z;
+    let twice = x[0] * once.x + x[1] * once.y + x[2] * once.z;
+    return (y - once) + 0.5 * twice;
+}
