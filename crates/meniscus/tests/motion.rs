@@ -1,7 +1,7 @@
 //! Moving blobs, judged by the oracle at the time of each ray.
 
 use glam::DVec3;
-use meniscus::accel::cells::Cells;
+use meniscus::accel::cells::{MOST_SLABS, TimedCells};
 use meniscus::accel::{Accel, Engine};
 use meniscus::field::{BlobField, Motion, Search};
 use meniscus::frame::Blobs;
@@ -58,10 +58,16 @@ fn moving(scene: &Scene, distance: f64) -> Scene {
 
 /// The structure of that very engine, also where `cells` would hand the blobs on.
 fn built(field: &BlobField, engine: Engine, level: Level) -> Blobs {
-    let mut blobs = Blobs::build(field.clone(), engine, level);
-    if engine == Engine::Cells {
-        blobs.accel = Accel::Cells(Cells::build(field));
+    match engine {
+        Engine::Cells => in_slabs(field, 1, level),
+        _ => Blobs::build(field.clone(), engine, level),
     }
+}
+
+/// Engine `cells` with the shutter cut into slabs of time.
+fn in_slabs(field: &BlobField, slabs: u32, level: Level) -> Blobs {
+    let mut blobs = Blobs::build(field.clone(), Engine::Cells, level);
+    blobs.accel = Accel::Cells(TimedCells::build(field, slabs));
     blobs
 }
 
@@ -71,6 +77,10 @@ fn structures(field: &BlobField) -> Vec<(String, Blobs)> {
     for level in levels() {
         for engine in ENGINES {
             all.push((format!("{engine:?} {level:?}"), built(field, engine, level)));
+        }
+        for slabs in [2, 4] {
+            let name = format!("cells {level:?} in {slabs} slabs of time");
+            all.push((name, in_slabs(field, slabs, level)));
         }
         for engine in [Engine::Particles, Engine::Interval] {
             let settings = EngineSettings {
@@ -181,6 +191,64 @@ fn cells_keep_blobs_that_move_with_their_neighbours() {
     assert_eq!(built(&scattering), Engine::Particles);
 }
 
+#[test]
+fn the_shutter_is_cut_where_a_slab_of_it_is_calm_enough() {
+    let still = corpus::scene("pool", Kernel::Sextic, 2000).field;
+    // A swirl: neighbours move about alike, and less so the faster it is.
+    let slabs = |asked: u32, distance: f64| {
+        let speed = distance * f64::from(still.spacing) / f64::from(still.bounds().size().x);
+        let velocity = |i: usize| {
+            let place = still.center(i).as_dvec3();
+            (DVec3::new(-place.y, place.x, 0.0) * speed * 2.0)
+                .as_vec3()
+                .to_array()
+        };
+        let motion = Motion {
+            velocities: (0..still.len()).map(velocity).collect(),
+            half_accelerations: vec![[0.0; 3]; still.len()],
+            velocity_gradients: Vec::new(),
+            shutter: SHUTTER_SECS,
+        };
+        let field = BlobField {
+            motion: Some(motion),
+            search: Search::default(),
+            ..still.clone()
+        };
+        TimedCells::slabs_for(&field, asked)
+    };
+    assert_eq!(slabs(0, 0.5), Some(1));
+    assert_eq!(slabs(2, 0.5), Some(2));
+    assert_eq!(slabs(1000, 0.5), Some(MOST_SLABS));
+    let found: Vec<_> = (1..60).map(|d| slabs(0, f64::from(d))).collect();
+    // More of them the farther blobs move, and none at all in the end.
+    let rank = |slabs: &Option<u32>| slabs.unwrap_or(u32::MAX);
+    assert!(found.is_sorted_by_key(rank), "{found:?}");
+    for expected in [Some(1), Some(2), Some(4), None] {
+        assert!(found.contains(&expected), "{found:?}");
+    }
+    // What is asked for is not done where it would not end.
+    assert_eq!(slabs(1, 60.0), None);
+}
+
+#[test]
+fn every_time_belongs_to_the_slab_that_holds_it() {
+    let scene = moving(&corpus::scene("pool", Kernel::Quartic, 200), 3.0);
+    let cells = TimedCells::build(&scene.field, 4);
+    assert_eq!(cells.slabs().len(), 4);
+    let [open, close] = SHUTTER_SECS;
+    for n in -10..=110 {
+        let time = open + (close - open) * f64::from(n) / 100.0;
+        let [from, to] = cells.at(time).span().ends_secs();
+        let within = time.clamp(open, close);
+        assert!(
+            from - 1e-12 <= within && within <= to + 1e-12,
+            "{time} in {from} to {to}"
+        );
+    }
+    assert_eq!(cells.slab_at(f64::NEG_INFINITY), 0);
+    assert_eq!(cells.slab_at(f64::INFINITY), 3);
+}
+
 /// Asks about every ray together with the same one at other times.
 struct AmongOtherTimes<'a>(&'a Blobs);
 
@@ -229,12 +297,18 @@ fn rays_traced_together_have_times_of_their_own() {
     for (n, kind) in corpus::KINDS.iter().enumerate() {
         let kernel = Kernel::ALL[n % Kernel::ALL.len()];
         let scene = moving(&corpus::scene(kind, kernel, 300), 0.6);
-        for level in levels() {
-            let blobs = built(&scene.field, Engine::Cells, level);
+        for (level, slabs) in levels()
+            .into_iter()
+            .flat_map(|level| [(level, 1), (level, 4)])
+        {
+            let blobs = in_slabs(&scene.field, slabs, level);
             let Accel::Cells(cells) = &blobs.accel else {
                 panic!("not cells");
             };
-            assert!(cells.suit_packets(|| 1.0), "{kind}");
+            assert!(
+                cells.slabs().iter().all(|cells| cells.suit_packets(|| 1.0)),
+                "{kind}"
+            );
             for time in times() {
                 let oracle = Oracle::at(&scene.field, time);
                 let stage = Stage::new(&scene, &oracle, 60);
@@ -244,7 +318,10 @@ fn rays_traced_together_have_times_of_their_own() {
                 let all = at_time(all, time);
                 for question in [Question::ClosestTogether, Question::AnyTogether] {
                     let complaint = complaints(&AmongOtherTimes(&blobs), &stage, &all, question);
-                    problems.extend(complaint.map(|text| format!("{level:?} at {time}: {text}")));
+                    problems.extend(
+                        complaint
+                            .map(|text| format!("{level:?}, {slabs} slabs, at {time}: {text}")),
+                    );
                 }
             }
         }

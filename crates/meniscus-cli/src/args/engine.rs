@@ -9,6 +9,8 @@ pub(crate) struct EngineArgs {
     /// Acceleration structure and solver: cells, particles, interval, metaball-bvh,
     /// fitted-bvh, sweep; on a GPU particles, peel [default: cells; on a GPU particles]
     ///
+    /// cells: engine.time_slabs=1 to 8, into how many parts the shutter's time is cut for blobs that
+    /// move [default: 0, by their motion].
     /// The papers' engines have switches in the scene's table `engine`, so --set reaches them.
     /// metaball-bvh and fitted-bvh: engine.cost=n|n2 [default: n2]. fitted-bvh: engine.fit,
     /// engine.rmax_boxes and engine.discard, each true|false [default: true].

@@ -8,6 +8,7 @@ pub mod triangles;
 
 use crate::field::Motion;
 use crate::scene::{Builder, EngineSettings};
+use cells::TimedCells;
 use metaballs::MetaballTree;
 
 /// Which structure and solver answers rays.
@@ -69,7 +70,7 @@ impl Engine {
 #[derive(Debug)]
 pub enum Accel {
     /// For [`Engine::Cells`].
-    Cells(cells::Cells),
+    Cells(TimedCells),
     /// For [`Engine::Particles`].
     Particles(particles::ParticleTree),
     /// For [`Engine::Interval`].
@@ -101,7 +102,11 @@ impl Accel {
         };
         let metaballs = |boxes| MetaballTree::build(field, boxes, settings);
         let moves = field.motion.is_some();
-        let is_lost = engine == Engine::Cells && moves && !cells::Cells::suit(field);
+        let slabs = match engine {
+            Engine::Cells => TimedCells::slabs_for(field, settings.time_slabs),
+            _ => None,
+        };
+        let is_lost = engine == Engine::Cells && slabs.is_none();
         let engine = if is_lost || (moves && !engine.traces_motion()) {
             Engine::Particles
         } else {
@@ -111,7 +116,7 @@ impl Accel {
         let turns = field.motion.as_ref().is_some_and(Motion::turns);
         let is_elsewhere = settings.builder == Builder::Device && !turns;
         match engine {
-            Engine::Cells => Self::Cells(cells::Cells::build(field)),
+            Engine::Cells => Self::Cells(TimedCells::build(field, slabs.unwrap_or(1))),
             Engine::Particles if is_elsewhere => Self::Elsewhere,
             Engine::Particles => Self::Particles(particle_tree()),
             Engine::Interval => Self::Interval(particle_tree()),

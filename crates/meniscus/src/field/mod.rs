@@ -24,7 +24,7 @@ pub use build::{FieldBuild, LARGEST_COORDINATE};
 pub use error::FieldError;
 pub use evaluate::Contribution;
 
-pub use motion::{FieldAt, Motion, MotionBoxes};
+pub use motion::{FieldAt, Motion, MotionBoxes, Span};
 pub use report::{FieldReport, SupportSource};
 pub use search::Search;
 pub use shape::metric::MetricOrder;

@@ -53,20 +53,57 @@ impl Motion {
         0.5 * (self.shutter[1] - self.shutter[0])
     }
 
-    /// A time on the scale on which the shutter opens at −1 and closes at 1.
-    pub fn phase(&self, time_secs: f64) -> f64 {
-        (self.clamped(time_secs) - self.middle_secs()) / self.half_shutter_secs()
+    /// All the time that the shutter is open.
+    pub fn whole(&self) -> Span {
+        Span {
+            middle_secs: self.middle_secs(),
+            half_secs: self.half_shutter_secs(),
+        }
     }
 
-    /// Where a blob with the centre `center` at the frame's time is in the middle of the shutter, its
-    /// velocity there and half its acceleration, on the scale of [`Motion::phase`].
-    pub fn by_phase(&self, i: usize, center: DVec3) -> [DVec3; 3] {
+    /// Where a blob with the centre `center` at the frame's time is in the middle of `span`, its
+    /// velocity there and half its acceleration, on the scale of [`Span::phase`].
+    pub fn by_phase(&self, span: Span, i: usize, center: DVec3) -> [DVec3; 3] {
         let [velocity, half] = self.rates(i);
-        let (middle, unit) = (self.middle_secs(), self.half_shutter_secs());
+        let (middle, unit) = (span.middle_secs, span.half_secs);
         [
             center + self.offset(i, middle),
             (velocity + half * (2.0 * middle)) * unit,
             half * (unit * unit),
+        ]
+    }
+}
+
+/// A part of the time while the shutter is open, in seconds relative to the frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Span {
+    /// Its middle.
+    pub middle_secs: f64,
+    /// Half its length.
+    pub half_secs: f64,
+}
+
+impl Span {
+    /// A time on the scale on which the span begins at −1 and ends at 1; what lies before or after counts
+    /// as its nearer end.
+    pub fn phase(&self, time_secs: f64) -> f64 {
+        ((time_secs - self.middle_secs) / self.half_secs).clamp(-1.0, 1.0)
+    }
+
+    /// Its `count` parts, all equally long, in order of time.
+    pub fn parts(self, count: usize) -> impl Iterator<Item = Self> {
+        let half_secs = self.half_secs / count as f64;
+        (0..count).map(move |part| Self {
+            middle_secs: self.middle_secs - self.half_secs + (2 * part + 1) as f64 * half_secs,
+            half_secs,
+        })
+    }
+
+    /// When it begins and ends.
+    pub fn ends_secs(&self) -> [f64; 2] {
+        [
+            self.middle_secs - self.half_secs,
+            self.middle_secs + self.half_secs,
         ]
     }
 }
@@ -141,6 +178,12 @@ impl BlobField {
 
     /// Local box around the support of blob `i` at any time while the shutter is open.
     pub fn support_box(&self, i: usize) -> Aabb {
+        let whole = self.motion.as_ref().map(Motion::whole);
+        self.support_box_in(whole.unwrap_or_default(), i)
+    }
+
+    /// Local box around the support of blob `i` at any time in `span`.
+    pub fn support_box_in(&self, span: Span, i: usize) -> Aabb {
         let center = self.center(i);
         match &self.motion {
             None => {
@@ -152,7 +195,7 @@ impl BlobField {
             }
             Some(motion) => {
                 let half = motion.half_extents(i, &self.shapes);
-                let path = motion.path_box(i, center.as_dvec3());
+                let path = motion.path_box(span, i, center.as_dvec3());
                 rounded_outwards(path.min, path.max, half)
             }
         }
@@ -160,19 +203,22 @@ impl BlobField {
 }
 
 impl BlobField {
-    /// [`MotionBoxes::ends`] of blob `i`.
-    pub fn support_boxes_at_ends(&self, i: usize) -> [Aabb; 2] {
-        self.motion_boxes(i).ends
+    /// Boxes around the support of blob `i` that move with it while the shutter is open.
+    pub fn motion_boxes(&self, i: usize) -> MotionBoxes {
+        let whole = self.motion.as_ref().map(Motion::whole);
+        self.motion_boxes_in(whole.unwrap_or_default(), i)
     }
 
-    /// Boxes around the support of blob `i` that move with it.
-    pub fn motion_boxes(&self, i: usize) -> MotionBoxes {
+    /// Boxes around the support of blob `i` that move with it in `span`.
+    pub fn motion_boxes_in(&self, span: Span, i: usize) -> MotionBoxes {
         let Some(motion) = &self.motion else {
             return MotionBoxes::still(self.support_box(i));
         };
         let half = motion.half_extents(i, &self.shapes);
-        let bend = motion.rates(i)[1] * motion.half_shutter_secs().powi(2);
-        let [open, close] = motion.shutter.map(|time_secs| self.at(time_secs).center(i));
+        let bend = motion.rates(i)[1] * span.half_secs.powi(2);
+        let [open, close] = span
+            .ends_secs()
+            .map(|time_secs| self.at(time_secs).center(i));
         let straight = |center: DVec3| {
             let low = center - bend.max(DVec3::ZERO);
             let high = center - bend.min(DVec3::ZERO);
@@ -198,17 +244,18 @@ fn rounded_outwards(low: DVec3, high: DVec3, half: Vec3) -> Aabb {
 }
 
 impl Motion {
-    /// The box around the way of blob `i`, whose centre at the frame's time is `center`.
-    fn path_box(&self, i: usize, center: DVec3) -> DAabb {
+    /// The box around the way of blob `i` in `span`, whose centre at the frame's time is `center`.
+    fn path_box(&self, span: Span, i: usize, center: DVec3) -> DAabb {
         let [velocity, half] = self.rates(i);
         let mut bounds = DAabb::EMPTY;
-        for time_secs in self.shutter {
+        let [from, to] = span.ends_secs();
+        for time_secs in [from, to] {
             bounds = bounds.including(center + self.offset(i, time_secs));
         }
         for axis in 0..3 {
             // Where it turns round.
             let turn = -velocity[axis] / (2.0 * half[axis]);
-            if self.shutter[0] < turn && turn < self.shutter[1] {
+            if from < turn && turn < to {
                 let place = center[axis] + self.offset(i, turn)[axis];
                 bounds.min[axis] = bounds.min[axis].min(place);
                 bounds.max[axis] = bounds.max[axis].max(place);

@@ -1,6 +1,6 @@
 //! The blobs at a point, found through a tree that is built when it is first needed.
 
-use super::{BlobField, FieldAt};
+use super::{BlobField, FieldAt, Span};
 use crate::math::aabb::{Aabb, DAabb};
 use crate::particles::neighbours::BoxTree;
 use glam::DVec3;
@@ -46,13 +46,18 @@ impl BlobField {
         self.search = Search(OnceLock::from(tree));
     }
 
+    /// A box around the support of blob `i` at any time in `span`.
+    pub fn path_bounds_in(&self, span: Span, i: usize) -> DAabb {
+        let Aabb { min, max } = self.support_box_in(span, i);
+        DAabb {
+            min: min.as_dvec3(),
+            max: max.as_dvec3(),
+        }
+    }
+
     fn support_bounds(&self, i: usize) -> DAabb {
-        if self.motion.is_some() {
-            let Aabb { min, max } = self.support_box(i);
-            return DAabb {
-                min: min.as_dvec3(),
-                max: max.as_dvec3(),
-            };
+        if let Some(motion) = &self.motion {
+            return self.path_bounds_in(motion.whole(), i);
         }
         let center = self.center(i).as_dvec3();
         let half = glam::Vec3::from_array(self.shapes.half_extents(i)).as_dvec3();

@@ -85,6 +85,9 @@ pub struct EngineSettings {
     pub builder: Builder,
     /// `particles`, `interval`: `auto`, `linear` or `bezier`, boxes of blobs that move.
     pub motion_bounds: MotionBounds,
+    /// `cells`: into how many slabs of time the shutter is cut for blobs that move; 0 leaves it to their
+    /// motion.
+    pub time_slabs: u32,
     /// `peel`: `tiles` or `sprites`.
     pub peel: PeelVariant,
 }
@@ -99,6 +102,7 @@ impl Default for EngineSettings {
             clipping: Clipping::default(),
             builder: Builder::default(),
             motion_bounds: MotionBounds::default(),
+            time_slabs: 0,
             peel: PeelVariant::default(),
         }
     }

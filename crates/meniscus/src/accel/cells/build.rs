@@ -7,6 +7,7 @@ use super::leaf::finish_leaf;
 use super::list::BlobList;
 use super::moving::{drift, pieces_for, widening};
 use super::place::Place;
+use crate::field::Span;
 use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
@@ -85,6 +86,8 @@ pub(super) struct BuildContext {
     pub(super) rule: BuildRule,
     /// Which columns leaves store.
     pub(super) stored: Columns,
+    /// The time that the cells are for.
+    pub(super) span: Span,
 }
 
 impl BuildContext {

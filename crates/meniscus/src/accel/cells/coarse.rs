@@ -5,8 +5,9 @@
 
 use super::build::{BinaryNode, BuildContext, MAX_DEPTH, STALLED_SPLITS, longest_axis};
 use super::place::Place;
-use crate::field::BlobField;
+use crate::field::{BlobField, Span};
 use crate::math::aabb::{Aabb, DAabb};
+use crate::particles::neighbours::BoxTree;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -27,11 +28,11 @@ pub(super) struct CoarseBox {
 
 /// The tree of coarse cells of `field` within `cell`; its leaves are indices into the list.
 pub(super) fn split(
-    field: &BlobField,
+    (field, tree): (&BlobField, &BoxTree),
     context: &BuildContext,
     cell: Place,
 ) -> Option<(BinaryNode, Vec<CoarseBox>)> {
-    let groups = groups_of(field);
+    let groups = groups_of(field, tree, context.span);
     let all = (0..groups.len() as u32).collect();
     let splitter = Splitter {
         groups: &groups,
@@ -44,12 +45,11 @@ pub(super) fn split(
 struct Group {
     /// Around their supports.
     place: Place,
-    /// How far they move between the middle of the shutter and its end, on average.
+    /// How far they move between the middle of the span and its end, on average.
     drift: Vec3,
 }
 
-fn groups_of(field: &BlobField) -> Vec<Group> {
-    let tree = field.support_tree();
+fn groups_of(field: &BlobField, tree: &BoxTree, span: Span) -> Vec<Group> {
     let Some(motion) = &field.motion else {
         let still = |(bounds, _): (&DAabb, _)| Group {
             place: Place::still(outward(bounds.min.as_vec3(), bounds.max.as_vec3())),
@@ -62,11 +62,11 @@ fn groups_of(field: &BlobField) -> Vec<Group> {
         let mut ends = [Aabb::EMPTY; 2];
         let mut drift = DVec3::ZERO;
         for &blob in *blobs {
-            let boxes = field.support_boxes_at_ends(blob as usize);
-            for (end, bounds) in ends.iter_mut().zip(boxes) {
+            let boxes = field.motion_boxes_in(span, blob as usize);
+            for (end, bounds) in ends.iter_mut().zip(boxes.ends) {
                 *end = end.union(bounds);
             }
-            drift += motion.by_phase(blob as usize, DVec3::ZERO)[1];
+            drift += motion.by_phase(span, blob as usize, DVec3::ZERO)[1];
         }
         Group {
             place: Place {

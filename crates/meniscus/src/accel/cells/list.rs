@@ -1,7 +1,7 @@
 //! Blobs as columns, as the build of cells filters them.
 
 use super::layout::{Columns, LANES};
-use crate::field::BlobField;
+use crate::field::{BlobField, Span};
 use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
@@ -43,8 +43,14 @@ impl BlobList {
         }
     }
 
-    /// Replaces the list by `blobs` of `field`.
-    pub(super) fn fill<P: Primitive>(&mut self, field: &BlobField, stored: Columns, blobs: &[u32]) {
+    /// Replaces the list by `blobs` of `field`, as they move in `span`.
+    pub(super) fn fill<P: Primitive>(
+        &mut self,
+        field: &BlobField,
+        span: Span,
+        stored: Columns,
+        blobs: &[u32],
+    ) {
         self.reset::<P>(stored, blobs.len());
         self.count = blobs.len();
         for (row, &blob) in blobs.iter().enumerate() {
@@ -57,7 +63,7 @@ impl BlobList {
                 }
                 Some(motion) => {
                     let center = Vec3::from_array(field.centers[blob]).as_dvec3();
-                    let [place, velocity, half] = motion.by_phase(blob, center);
+                    let [place, velocity, half] = motion.by_phase(span, blob, center);
                     let first = stored.motion_at::<P>();
                     for k in 0..3 {
                         self.columns[k][row] = place[k] as f32;

@@ -21,13 +21,16 @@ mod leaf;
 mod list;
 mod moving;
 mod place;
+mod slabs;
 pub mod traverse;
 
 pub use build::BuildRule;
+pub use slabs::{MOST_SLABS, TimedCells};
 
-use crate::field::BlobField;
+use crate::field::{BlobField, Span};
 use crate::kernel::KernelShape;
 use crate::math::aabb::{Aabb, DAabb};
+use crate::particles::neighbours::BoxTree;
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
 use build::{BuildContext, Builder};
 use coarse::CoarseBox;
@@ -40,7 +43,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// The structure of engine `cells`.
+/// Cells for one span of time.
 #[derive(Debug, Default)]
 pub struct Cells {
     /// Eight-wide nodes over the coarse cells, root first; empty when the field has no surface. Leaf references are
@@ -50,7 +53,9 @@ pub struct Cells {
     /// Local box around all cells.
     pub bounds: Option<Aabb>,
     context: BuildContext,
-    /// How far blobs move while the shutter is open, in the root mean square.
+    /// Over the supports in the span, where that is not all the time that the shutter is open.
+    tree: Option<BoxTree>,
+    /// How far blobs move in the span, in the root mean square.
     way_spacings: f32,
     refinement_nanos: AtomicU64,
 }
@@ -99,22 +104,13 @@ pub struct Part {
 }
 
 impl Cells {
-    /// Whether cells are worth building: blobs at rest, or blobs that move about as their neighbours do.
-    pub fn suit(field: &BlobField) -> bool {
-        moving::is_coherent(field)
-    }
-
-    /// Builds the coarse cells of `field` with the leaf rule that suits it.
-    pub fn build(field: &BlobField) -> Self {
-        Self::build_with(field, default_rule(field))
-    }
-
-    /// Builds the coarse cells of `field` with a stated leaf rule.
-    pub fn build_with(field: &BlobField, rule: BuildRule) -> Self {
+    /// Builds the coarse cells of `field` in `span` with the leaf rule that suits it; `tree` holds the
+    /// supports there, unless the field's does.
+    fn build_in(field: &BlobField, span: Span, tree: Option<BoxTree>) -> Self {
         if field.is_empty() {
             return Self::default();
         }
-        let place = place_of(field);
+        let place = place_of(field, span);
         let bounds = place.hull();
         let context = BuildContext {
             threshold: field.threshold,
@@ -124,13 +120,18 @@ impl Cells {
                     .size()
                     .length()
                     .max(bounds.center().abs().max_element()),
-            rule,
+            rule: default_rule(field),
+            span,
             stored: match field.shapes {
                 Shapes::Balls(_) => Columns::of::<Ball>(field, &bounds),
                 Shapes::Ellipsoids(_) => Columns::of::<Ellipsoid>(field, &bounds),
             },
         };
-        let Some((root, boxes)) = coarse::split(field, &context, place) else {
+        let Some((root, boxes)) = coarse::split(
+            (field, tree.as_ref().unwrap_or_else(|| field.support_tree())),
+            &context,
+            place,
+        ) else {
             return Self::default();
         };
         let pad = 0.5 * context.pad;
@@ -139,7 +140,8 @@ impl Cells {
             coarse: CoarseCell::all(boxes),
             bounds: Some(root.bounds().hull().padded(pad)),
             context,
-            way_spacings: moving::way_spacings(field),
+            way_spacings: moving::way_spacings(field, span),
+            tree,
             refinement_nanos: AtomicU64::new(0),
         }
     }
@@ -150,7 +152,24 @@ impl Cells {
         &self.context.stored
     }
 
-    /// Whether rays whose times lie within `part` of the shutter are worth tracing together: where blobs
+    /// The time that these cells are for.
+    #[inline(always)]
+    pub fn span(&self) -> Span {
+        self.context.span
+    }
+
+    /// A time, in seconds relative to the frame, on the scale of the span, from −1 to 1; 0 where nothing
+    /// moves.
+    #[inline(always)]
+    pub fn phase(&self, time_secs: f64) -> f32 {
+        if self.stored().moves() {
+            self.context.span.phase(time_secs) as f32
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether rays whose times lie within `part` of the span are worth tracing together: where blobs
     /// move far in it, rays side by side meet other cells.
     #[inline(always)]
     pub fn suit_packets(&self, part: impl FnOnce() -> f32) -> bool {
@@ -190,8 +209,13 @@ impl Cells {
     ) -> Option<Part> {
         let start = Instant::now();
         let CoarseBox { place, depth } = *place;
-        let BuildContext { pad, stored, .. } = self.context;
-        let mut list = blobs_reaching::<P>(field, stored, place.hull().padded(pad));
+        let BuildContext {
+            pad, stored, span, ..
+        } = self.context;
+        let tree = self.tree.as_ref().unwrap_or_else(|| field.support_tree());
+        let mut list = BlobList::default();
+        let reaching = blobs_reaching(tree, place.hull().padded(pad));
+        list.fill::<P>(field, span, stored, &reaching);
         if place.moves() {
             // Most of them reach it at some time only by the box of their whole way.
             let mut reaching = BlobList::default();
@@ -222,18 +246,19 @@ impl Cells {
         let refined: usize = self.coarse.iter().map(CoarseCell::refined_bytes).sum();
         self.nodes.capacity() * size_of::<Node>()
             + self.coarse.capacity() * size_of::<CoarseCell>()
+            + self.tree.as_ref().map_or(0, BoxTree::bytes)
             + refined
     }
 }
 
-/// The box around all supports.
-fn place_of(field: &BlobField) -> Place {
+/// The box around all supports in `span`.
+fn place_of(field: &BlobField, span: Span) -> Place {
     if field.motion.is_none() {
         return Place::still(field.bounds());
     }
     let ends = (0..field.len())
         .into_par_iter()
-        .map(|i| field.support_boxes_at_ends(i))
+        .map(|i| field.motion_boxes_in(span, i).ends)
         .reduce(
             || [Aabb::EMPTY; 2],
             |a, b| [a[0].union(b[0]), a[1].union(b[1])],
@@ -274,15 +299,12 @@ fn default_rule(field: &BlobField) -> BuildRule {
 }
 
 /// The blobs whose support may reach `region`, with some that do not.
-fn blobs_reaching<P: Primitive>(field: &BlobField, stored: Columns, region: Aabb) -> BlobList {
+fn blobs_reaching(tree: &BoxTree, region: Aabb) -> Vec<u32> {
     let region = DAabb {
         min: region.min.as_dvec3(),
         max: region.max.as_dvec3(),
     };
     let mut blobs = Vec::new();
-    let tree = field.support_tree();
     tree.for_each_group_overlapping(&region, |group| blobs.extend_from_slice(group));
-    let mut list = BlobList::default();
-    list.fill::<P>(field, stored, &blobs);
-    list
+    blobs
 }

@@ -10,7 +10,7 @@ use super::filter::{BlobLanes, FieldBounds, Sums};
 use super::layout::LANES;
 use super::list::{BlobList, copy_lanes, lanes_at};
 use super::place::Place;
-use crate::field::BlobField;
+use crate::field::{BlobField, Span};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
@@ -34,50 +34,85 @@ const ONE_PIECE_SIDE: f32 = 6.0;
 const COHERENT_BALLS: f64 = 0.3;
 const COHERENT_ELLIPSOIDS: f64 = 0.1;
 
-/// Whether neighbouring blobs move alike enough for cells: by how far they depart from the way of the
-/// group that they are in, in the root mean square. Blobs that turn never do.
-pub(super) fn is_coherent(field: &BlobField) -> bool {
-    let Some(motion) = &field.motion else {
-        return true;
-    };
-    if motion.turns() {
-        return false;
-    }
-    let groups: Vec<&[u32]> = field.support_tree().groups().collect();
-    // Groups in a fixed order, so that the sums do not depend on the number of threads.
-    let parts: Vec<f64> = groups
-        .par_iter()
-        .map(|blobs| {
-            let ways = || {
-                blobs.iter().map(|&blob| {
-                    let [_, velocity, half] = motion.by_phase(blob as usize, DVec3::ZERO);
-                    (velocity, half, field.shapes.mean_radius(blob as usize))
-                })
-            };
-            let mean = ways().map(|(velocity, ..)| velocity).sum::<DVec3>() / blobs.len() as f64;
-            ways()
-                .map(|(velocity, half, radius)| {
-                    let way = 2.0 * ((velocity - mean).length() + half.length());
-                    (way / radius).powi(2)
-                })
-                .sum()
-        })
-        .collect();
-    let mean_square = parts.iter().sum::<f64>() / field.len() as f64;
-    let limit = match field.shapes {
-        Shapes::Balls(_) => COHERENT_BALLS,
-        Shapes::Ellipsoids(_) => COHERENT_ELLIPSOIDS,
-    };
-    mean_square <= limit * limit
+/// How much blobs move against their neighbours.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Unrest {
+    /// How far they depart from the way of the group that they are in while the shutter is open, over
+    /// their support, in the root mean square: at their own velocities, and by acceleration alone.
+    straight: f64,
+    bent: f64,
+    /// Up to which departure cells are worth building.
+    limit: f64,
 }
 
-/// How far blobs move while the shutter is open, in the root mean square; 0 where nothing moves.
-pub(super) fn way_spacings(field: &BlobField) -> f32 {
+impl Unrest {
+    /// How far they depart in each of `slabs` slabs of the time, over how far they may.
+    pub(super) fn within(self, slabs: u32) -> f64 {
+        let slabs = f64::from(slabs);
+        (self.straight / slabs + self.bent / (slabs * slabs)) / self.limit
+    }
+
+    /// That of a field; `None` where shapes turn, which cells do not know.
+    pub(super) fn of(field: &BlobField) -> Option<Self> {
+        let limit = match field.shapes {
+            Shapes::Balls(_) => COHERENT_BALLS,
+            Shapes::Ellipsoids(_) => COHERENT_ELLIPSOIDS,
+        };
+        let Some(motion) = &field.motion else {
+            return Some(Self {
+                straight: 0.0,
+                bent: 0.0,
+                limit,
+            });
+        };
+        if motion.turns() {
+            return None;
+        }
+        let groups: Vec<&[u32]> = field.support_tree().groups().collect();
+        // Groups in a fixed order, so that the sums do not depend on the number of threads.
+        let parts: Vec<[f64; 2]> = groups
+            .par_iter()
+            .map(|blobs| {
+                let ways = || {
+                    blobs.iter().map(|&blob| {
+                        let blob = blob as usize;
+                        let [_, velocity, half] =
+                            motion.by_phase(motion.whole(), blob, DVec3::ZERO);
+                        (velocity, half, 2.0 / field.shapes.mean_radius(blob))
+                    })
+                };
+                let mean =
+                    ways().map(|(velocity, ..)| velocity).sum::<DVec3>() / blobs.len() as f64;
+                ways().fold(
+                    [0.0; 2],
+                    |[straight, bent], (velocity, half, per_radius)| {
+                        [
+                            straight + ((velocity - mean) * per_radius).length_squared(),
+                            bent + (half * per_radius).length_squared(),
+                        ]
+                    },
+                )
+            })
+            .collect();
+        let root_mean = |kind: usize| {
+            let sum: f64 = parts.iter().map(|part| part[kind]).sum();
+            (sum / field.len() as f64).sqrt()
+        };
+        Some(Self {
+            straight: root_mean(0),
+            bent: root_mean(1),
+            limit,
+        })
+    }
+}
+
+/// How far blobs move in `span`, in the root mean square; 0 where nothing moves.
+pub(super) fn way_spacings(field: &BlobField, span: Span) -> f32 {
     let Some(motion) = &field.motion else {
         return 0.0;
     };
     let squares: f64 = (0..field.len())
-        .map(|i| motion.by_phase(i, DVec3::ZERO)[1].length_squared())
+        .map(|i| motion.by_phase(span, i, DVec3::ZERO)[1].length_squared())
         .sum();
     2.0 * (squares / field.len() as f64).sqrt() as f32 / field.spacing
 }

@@ -157,7 +157,7 @@ fn boxes_hold_supports_that_move_turn_and_stretch() {
     for field in fields().into_iter().map(thrown) {
         for i in 0..field.len() {
             let all = field.support_box(i);
-            let [open, close] = field.support_boxes_at_ends(i);
+            let [open, close] = field.motion_boxes(i).ends;
             for _ in 0..20 {
                 let phase = next();
                 let at = field.at(phase - 0.5);

@@ -11,7 +11,7 @@ use super::solve::{
 use super::{BlobHit, Scratch, sweep};
 use crate::accel::cells::layout::{Block, Columns, LANES, LeafHeader};
 use crate::accel::cells::traverse::{Stack, visit_leaves};
-use crate::accel::cells::{Cells, Part};
+use crate::accel::cells::{Cells, Part, TimedCells};
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
@@ -47,70 +47,129 @@ enum Found<'a> {
 /// First crossings of object-space rays, in `hits`; rays that lie close together go faster.
 pub fn closest_many(
     blobs: &Blobs,
-    cells: &Cells,
+    cells: &TimedCells,
     rays: &[Ray],
     hits: &mut [Option<BlobHit>],
     scratch: &mut Scratch,
 ) {
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        if !cells.suit_packets(|| part_of_shutter(blobs, rays)) || !packet::may_be_coherent(rays) {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = ray
-                    .is_traceable()
-                    .then(|| closest(blobs, cells, ray, scratch))
-                    .flatten();
-            }
-            continue;
-        }
-        let outcomes = packet::trace(blobs, cells, rays, false, scratch);
-        for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
-            *hit = match outcome {
-                Outcome::Miss => None,
-                Outcome::Hit {
-                    t,
-                    outward,
-                    strongest,
-                } => Some(BlobHit {
-                    t,
-                    outward: glam::Vec3::from_array(outward).as_dvec3(),
-                    strongest,
-                    entering: true,
-                }),
-                Outcome::Alone => closest_alone(blobs, cells, ray, scratch),
-            };
-        }
+        slab_by_slab(cells, rays, hits, |cells, rays, hits| {
+            closest_few(blobs, cells, rays, hits, scratch);
+        });
     }
 }
 
 /// Whether object-space rays cross the surface, in `hits`; rays that lie close together go faster.
 pub fn occluded_many(
     blobs: &Blobs,
-    cells: &Cells,
+    cells: &TimedCells,
     rays: &[Ray],
     hits: &mut [bool],
     scratch: &mut Scratch,
 ) {
     for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        if !cells.suit_packets(|| part_of_shutter(blobs, rays)) || !packet::may_be_coherent(rays) {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = ray.is_traceable() && occluded(blobs, cells, ray, scratch);
+        slab_by_slab(cells, rays, hits, |cells, rays, hits| {
+            occluded_few(blobs, cells, rays, hits, scratch);
+        });
+    }
+}
+
+/// Calls `trace` with the cells of each slab of time and those of up to sixteen rays whose times lie in
+/// it; answers come back to where the rays were.
+fn slab_by_slab<A: Copy>(
+    cells: &TimedCells,
+    rays: &[Ray],
+    answers: &mut [A],
+    mut trace: impl FnMut(&Cells, &[Ray], &mut [A]),
+) {
+    let (Some(&first), Some(&blank)) = (rays.first(), answers.first()) else {
+        return;
+    };
+    let slab = cells.slab_at(first.time);
+    if rays.iter().all(|ray| cells.slab_at(ray.time) == slab) {
+        return trace(&cells.slabs()[slab], rays, answers);
+    }
+    for (slab, cells_then) in cells.slabs().iter().enumerate() {
+        let mut there = [first; LANES];
+        let mut places = [0; LANES];
+        let mut count = 0;
+        for (place, ray) in rays.iter().enumerate() {
+            if cells.slab_at(ray.time) == slab {
+                (there[count], places[count]) = (*ray, place);
+                count += 1;
             }
-            continue;
         }
-        let outcomes = packet::trace(blobs, cells, rays, true, scratch);
-        for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
-            *hit = match outcome {
-                Outcome::Miss => false,
-                Outcome::Hit { .. } => true,
-                Outcome::Alone => occluded_alone(blobs, cells, ray, scratch),
-            };
+        let mut answers_there = [blank; LANES];
+        trace(cells_then, &there[..count], &mut answers_there[..count]);
+        for (answer, &place) in answers_there.iter().zip(&places[..count]) {
+            answers[place] = *answer;
         }
     }
 }
 
-/// What part of the shutter the times of rays are spread over.
-fn part_of_shutter(blobs: &Blobs, rays: &[Ray]) -> f32 {
-    let phases = rays.iter().map(|ray| phase(blobs, ray.time));
+/// [`closest_many`] of up to sixteen rays.
+fn closest_few(
+    blobs: &Blobs,
+    cells: &Cells,
+    rays: &[Ray],
+    hits: &mut [Option<BlobHit>],
+    scratch: &mut Scratch,
+) {
+    if !cells.suit_packets(|| part_of_span(cells, rays)) || !packet::may_be_coherent(rays) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = ray
+                .is_traceable()
+                .then(|| closest_counted(blobs, cells, ray, scratch))
+                .flatten();
+        }
+        return;
+    }
+    let outcomes = packet::trace(blobs, cells, rays, false, scratch);
+    for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
+        *hit = match outcome {
+            Outcome::Miss => None,
+            Outcome::Hit {
+                t,
+                outward,
+                strongest,
+            } => Some(BlobHit {
+                t,
+                outward: glam::Vec3::from_array(outward).as_dvec3(),
+                strongest,
+                entering: true,
+            }),
+            Outcome::Alone => closest_alone(blobs, cells, ray, scratch),
+        };
+    }
+}
+
+/// [`occluded_many`] of up to sixteen rays.
+fn occluded_few(
+    blobs: &Blobs,
+    cells: &Cells,
+    rays: &[Ray],
+    hits: &mut [bool],
+    scratch: &mut Scratch,
+) {
+    if !cells.suit_packets(|| part_of_span(cells, rays)) || !packet::may_be_coherent(rays) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = ray.is_traceable() && occluded_counted(blobs, cells, ray, scratch);
+        }
+        return;
+    }
+    let outcomes = packet::trace(blobs, cells, rays, true, scratch);
+    for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
+        *hit = match outcome {
+            Outcome::Miss => false,
+            Outcome::Hit { .. } => true,
+            Outcome::Alone => occluded_alone(blobs, cells, ray, scratch),
+        };
+    }
+}
+
+/// What part of the cells' span the times of rays are spread over.
+fn part_of_span(cells: &Cells, rays: &[Ray]) -> f32 {
+    let phases = rays.iter().map(|ray| cells.phase(ray.time));
     let (first, last) = phases.fold(
         (f32::INFINITY, f32::NEG_INFINITY),
         |(first, last), phase| (first.min(phase), last.max(phase)),
@@ -119,7 +178,21 @@ fn part_of_shutter(blobs: &Blobs, rays: &[Ray]) -> f32 {
 }
 
 /// First crossing of a traceable object-space ray.
-pub fn closest(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Option<BlobHit> {
+pub fn closest(
+    blobs: &Blobs,
+    cells: &TimedCells,
+    ray: &Ray,
+    scratch: &mut Scratch,
+) -> Option<BlobHit> {
+    closest_counted(blobs, cells.at(ray.time), ray, scratch)
+}
+
+fn closest_counted(
+    blobs: &Blobs,
+    cells: &Cells,
+    ray: &Ray,
+    scratch: &mut Scratch,
+) -> Option<BlobHit> {
     scratch.counters.rays += 1;
     closest_alone(blobs, cells, ray, scratch)
 }
@@ -134,7 +207,7 @@ fn closest_alone(
         Found::BeyondF32 => sweep::first(blobs, blobs.exact_tree(), ray, scratch),
         Found::Crossing { t, leaf, entering } => {
             let at = ray.at(t) - blobs.field.origin;
-            let (outward, strongest) = gradient_at(blobs, &leaf, at, phase(blobs, ray.time));
+            let (outward, strongest) = gradient_at(blobs, &leaf, at, cells.phase(ray.time));
             Some(BlobHit {
                 t,
                 outward,
@@ -146,7 +219,11 @@ fn closest_alone(
 }
 
 /// Whether a traceable object-space ray has a crossing.
-pub fn occluded(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
+pub fn occluded(blobs: &Blobs, cells: &TimedCells, ray: &Ray, scratch: &mut Scratch) -> bool {
+    occluded_counted(blobs, cells.at(ray.time), ray, scratch)
+}
+
+fn occluded_counted(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
     scratch.counters.rays += 1;
     occluded_alone(blobs, cells, ray, scratch)
 }
@@ -203,7 +280,7 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
     let direction = ray.direction.as_vec3().to_array();
     let mut search: Search = Search::new(blobs, cells.bounds, ray, question);
     let phase = if MOVES {
-        phase(blobs, ray.time_secs)
+        cells.phase(ray.time_secs)
     } else {
         0.0
     };
@@ -310,12 +387,6 @@ fn meets_fine<P: Primitive>(blobs: &Blobs, leaf: &LeafView<'_>, ray: &LocalRay) 
     let field = &blobs.field;
     leaf.blobs::<P>()
         .any(|i| meets_fine_blob(field, i, leaf.header.fine_beta, ray))
-}
-
-/// The time within the shutter, from −1 to 1; 0 where nothing moves.
-pub(super) fn phase(blobs: &Blobs, time_secs: f64) -> f32 {
-    let motion = blobs.field.motion.as_ref();
-    motion.map_or(0.0, |motion| motion.phase(time_secs) as f32)
 }
 
 /// −∇F and the strongest blob at a local point of a leaf.

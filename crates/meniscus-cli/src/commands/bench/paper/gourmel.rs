@@ -20,6 +20,7 @@ const PLAIN: EngineSettings = EngineSettings {
     clipping: meniscus::scene::Clipping::Own,
     builder: meniscus::scene::Builder::Sah,
     motion_bounds: meniscus::scene::MotionBounds::Auto,
+    time_slabs: 0,
     peel: meniscus::scene::PeelVariant::Tiles,
 };
 

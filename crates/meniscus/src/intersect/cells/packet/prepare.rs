@@ -5,7 +5,6 @@ use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::traverse::TINY_COMPONENT;
 use crate::frame::Blobs;
-use crate::intersect::cells::phase as phase_of;
 use crate::math::ray::{Ray, Side};
 use glam::DVec3;
 
@@ -24,7 +23,7 @@ pub(super) struct Prepared {
     per_unit: [f64; LANES],
     /// Lengths of the stretches.
     pub(super) length: [f32; LANES],
-    /// Times within the shutter, from −1 to 1.
+    /// Times within the cells' span, from −1 to 1.
     pub(super) phase: [f32; LANES],
     /// Rays that can hit anything.
     pub(super) traceable: u64,
@@ -48,9 +47,9 @@ impl Prepared {
         let (mut t_min, mut t_max) = ([0.0_f64; LANES], [-1.0_f64; LANES]);
         let mut traceable = 0;
         let mut phases = [0.0; LANES];
-        if blobs.field.motion.is_some() {
+        if cells.stored().moves() {
             for (phase, ray) in phases.iter_mut().zip(rays) {
-                *phase = phase_of(blobs, ray.time);
+                *phase = cells.phase(ray.time);
             }
         }
         for (lane, ray) in rays.iter().take(LANES).enumerate() {
