@@ -1,6 +1,7 @@
 //! Looks that follow particles' attributes, shaded by the device's stages, beside those of the CPU.
 
 use crate::common::{device, moving};
+use crate::staged_motion::CROWD;
 use crate::stages::{LAMPS, SUN_AND_SKY, SURFACE, check_field, with};
 use meniscus::field::{BlobField, FieldAttribute};
 use meniscus::frame::{Frame, FrameSettings};
@@ -8,6 +9,7 @@ use meniscus::kernel::Kernel;
 use meniscus::scene::IntegratorKind;
 use meniscus::shade::{MOST_COLUMNS, ShadeSettings, Shader, Unstaged};
 use meniscus_testing::corpus;
+use meniscus_testing::turning::turning;
 
 /// A set whose particles carry a number, a vector and a colour; some have none.
 fn carrying(set: &str) -> BlobField {
@@ -107,6 +109,19 @@ fn colours_follow_attributes_of_moving_particles() {
     let shutter = "[motion]\nshutter = 1\nfps = 1\n";
     let parts = [shutter, SURFACE, BY_HEAT, GROUND];
     check("moving colours", "type = \"shaded\"", 16, &parts, field);
+}
+
+/// Fields that are turned, stretched and on their way.
+#[test]
+fn looks_follow_attributes_of_instances() {
+    let (surface, instances) = CROWD.split_once("[[instance]]").expect("it has some");
+    let instances = format!("[[instance]]{instances}");
+    let parts = [surface, BY_HEAT, &instances, GROUND];
+    let field = carried_by(turning(&corpus::scene("ellipsoids", Kernel::Sextic, 400), 0.5).field);
+    check("a crowd in colour", "type = \"shaded\"", 8, &parts, field);
+    let parts = [surface, BY_HEAT, DENSE_BY_HEAT, INK, &instances, GROUND];
+    let whitted = "type = \"whitted\"\ndepth = 3";
+    check("a crowd of ink", whitted, 4, &parts, carrying("pool"));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use meniscus_testing::corpus;
 use meniscus_testing::turning::turning;
 
 /// Several of a set: upright, turned and stretched, and one that tumbles.
-const CROWD: &str = "
+pub(crate) const CROWD: &str = "
 [motion]
 shutter = 0.5
 fps = 1

@@ -127,7 +127,7 @@ fn triangle_hit(ray: MeshRay, at: u32) -> TriangleHit {
 // where that is asked.
 struct MeshWalk {
     t: f32,
-    // The next crossing, that somewhere lies close behind.
+    // The next crossing; only one that lies close behind is sure to be found.
     next_t: f32,
     triangle: u32,
     weights: vec3f,
