@@ -1,7 +1,7 @@
 //! Moving blobs, judged by the oracle at the time of each ray.
 
 use glam::DVec3;
-use meniscus::accel::cells::{MOST_SLABS, TimedCells};
+use meniscus::accel::cells::TimedCells;
 use meniscus::accel::{Accel, Engine};
 use meniscus::field::{BlobField, Motion, Search};
 use meniscus::frame::Blobs;
@@ -218,7 +218,6 @@ fn the_shutter_is_cut_where_a_slab_of_it_is_calm_enough() {
     };
     assert_eq!(slabs(0, 0.5), Some(1));
     assert_eq!(slabs(2, 0.5), Some(2));
-    assert_eq!(slabs(1000, 0.5), Some(MOST_SLABS));
     let found: Vec<_> = (1..60).map(|d| slabs(0, f64::from(d))).collect();
     // More of them the farther blobs move, and none at all in the end.
     let rank = |slabs: &Option<u32>| slabs.unwrap_or(u32::MAX);

@@ -66,6 +66,10 @@ pub enum PeelVariant {
     Sprites,
 }
 
+/// Most parts that [`EngineSettings::time_slabs`] may ask for: more cost more to build and to hold than
+/// they save.
+pub const MOST_TIME_SLABS: u32 = 8;
+
 /// `[engine]`. Each key concerns the engines that its description names; others ignore it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -85,8 +89,8 @@ pub struct EngineSettings {
     pub builder: Builder,
     /// `particles`, `interval`: `auto`, `linear` or `bezier`, boxes of blobs that move.
     pub motion_bounds: MotionBounds,
-    /// `cells`: into how many slabs of time the shutter is cut for blobs that move; 0 leaves it to their
-    /// motion.
+    /// `cells`: into how many slabs of time the shutter is cut for blobs that move, up to
+    /// [`MOST_TIME_SLABS`]; 0 leaves it to their motion.
     pub time_slabs: u32,
     /// `peel`: `tiles` or `sprites`.
     pub peel: PeelVariant,

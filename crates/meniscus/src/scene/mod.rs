@@ -27,7 +27,9 @@ pub use camera::{CameraKey, CameraSettings, Up};
 pub use color::Color;
 pub use colormap::ColorMap;
 pub use cues::CueSettings;
-pub use engine::{Builder, Clipping, EngineSettings, LeafCost, MotionBounds, PeelVariant};
+pub use engine::{
+    Builder, Clipping, EngineSettings, LeafCost, MOST_TIME_SLABS, MotionBounds, PeelVariant,
+};
 pub use file::{SceneError, SceneErrorKind};
 pub use film::{Background, FilmSettings, WhiteBalance};
 pub use integrator::{IntegratorKind, IntegratorSettings};

@@ -4,6 +4,7 @@ mod company;
 mod keys;
 
 use super::camera::{Camera, CameraError, CameraSettings};
+use super::engine::MOST_TIME_SLABS;
 use super::file::suggest::help_for;
 use super::file::{SceneError, SceneErrorKind};
 use super::film::{
@@ -52,6 +53,7 @@ impl Scene {
         company::check_motion(&self.motion)?;
         company::check_cues(&self.cues)?;
         self.check_integrator()?;
+        self.check_engine()?;
         for (i, surface) in self.surfaces.iter().enumerate() {
             check_surface(&format!("surface.{i}"), surface)?;
             self.check_material(
@@ -108,6 +110,17 @@ impl Scene {
             settings.depth >= 1,
             "integrator.depth",
             "`depth` must be at least 1",
+        )
+    }
+
+    fn check_engine(&self) -> Checked {
+        let slabs = self.engine.time_slabs;
+        require(
+            slabs <= MOST_TIME_SLABS,
+            "engine.time_slabs",
+            format!(
+                "`time_slabs` must be 0 (by the particles' motion) to {MOST_TIME_SLABS}, not {slabs}"
+            ),
         )
     }
 

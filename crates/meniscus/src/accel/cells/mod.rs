@@ -25,7 +25,7 @@ mod slabs;
 pub mod traverse;
 
 pub use build::BuildRule;
-pub use slabs::{MOST_SLABS, TimedCells};
+pub use slabs::TimedCells;
 
 use crate::field::{BlobField, Span};
 use crate::kernel::KernelShape;

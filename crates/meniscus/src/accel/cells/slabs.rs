@@ -12,10 +12,7 @@ pub struct TimedCells {
     slabs: Vec<Cells>,
 }
 
-/// More slabs cost more to build and to hold than they save.
-pub const MOST_SLABS: u32 = 8;
-
-/// The same where nothing is asked for.
+/// Most slabs where no number is asked for.
 const MOST_OF_THEIR_OWN: u32 = 4;
 
 /// Several slabs pay where blobs move no farther than this in one of them, in spacings: for rays side by
@@ -29,7 +26,7 @@ impl TimedCells {
     pub fn slabs_for(field: &BlobField, asked: u32) -> Option<u32> {
         let unrest = Unrest::of(field)?;
         if asked > 0 {
-            return Some(asked.min(MOST_SLABS)).filter(|&slabs| unrest.within(slabs) <= 1.0);
+            return Some(asked).filter(|&slabs| unrest.within(slabs) <= 1.0);
         }
         if unrest.within(1) <= 1.0 {
             return Some(1);

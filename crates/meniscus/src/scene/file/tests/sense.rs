@@ -177,6 +177,7 @@ fn senseless_values_are_pointed_at() {
             "`clamp` must be a positive number",
         ),
         ("[integrator]\nsamples = 0", "0", "`samples` must be 1 to"),
+        ("[engine]\ntime_slabs = 9", "9", "`time_slabs` must be 0"),
         ("[film]\nnoise = 0", "0", "`noise` is relative"),
         ("[film]\nnoise = 2", "2", "`noise` is relative"),
         ("[film]\nwhite_balance = 100", "100", "1667 to 25000 kelvin"),
