@@ -79,13 +79,13 @@ fn ask(
         })
     };
     let listed = RAYS * capacity as usize;
-    let params = buffer(32, Usage::UNIFORM);
     let sent = buffer(RAYS * 64, Usage::STORAGE);
     let hits = buffer(RAYS * 32, Usage::STORAGE | Usage::COPY_SRC);
     let met = buffer(listed * 16, Usage::STORAGE);
     let met_words = buffer(listed * 4, Usage::STORAGE | Usage::COPY_SRC);
     let back = buffer(RAYS * 32 + listed * 4, Usage::MAP_READ);
     let mut numbers = uploaded.params();
+    let params = buffer(size_of_val(&numbers), Usage::UNIFORM);
     numbers[5] = RAYS as u32;
     numbers[7] = capacity;
     let records: Vec<_> = (rays.iter())
