@@ -154,10 +154,16 @@ impl Frame {
                 found.clear();
                 found.resize(rays.len(), None);
                 tracer.closest_many(instance.geometry, blobs, moved, found, scratch)?;
+                let stands = is_untransformed(instance);
                 for ((ray, hit), found) in rays.iter().zip(&mut *hits).zip(found) {
                     if let Some(f) = found {
-                        let matrix = instance.at(ray.time).object_from_world.matrix3;
-                        let normal = (matrix.transpose() * f.outward).normalize_or_zero();
+                        let outward = if stands {
+                            f.outward
+                        } else {
+                            let matrix = instance.at(ray.time).object_from_world.matrix3;
+                            matrix.transpose() * f.outward
+                        };
+                        let normal = outward.normalize_or_zero();
                         *hit = Some(Hit {
                             t: f.t,
                             position: ray.at(f.t),

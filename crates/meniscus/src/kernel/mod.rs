@@ -23,10 +23,20 @@ pub trait KernelShape: Copy + Send + Sync + 'static {
     /// Coefficients of k as a polynomial in g, lowest power first.
     const IN_G: &'static [f64];
 
+    /// What [`Self::slope_in_part`] leaves out of dk/dg, so that a sum of slopes takes it once.
+    const SLOPE_FACTOR: f32;
+
     /// k(g).
     fn of_g<N: Number>(g: N) -> N;
+    /// k(g) + `sum`, in as few operations as there are.
+    fn plus<N: Number>(g: N, sum: N) -> N;
+    /// dk/dg over [`Self::SLOPE_FACTOR`].
+    fn slope_in_part<N: Number>(g: N) -> N;
     /// dk/dg.
-    fn slope<N: Number>(g: N) -> N;
+    #[inline(always)]
+    fn slope<N: Number>(g: N) -> N {
+        Self::slope_in_part(g) * Self::SLOPE_FACTOR
+    }
     /// d²k/dg².
     fn curvature<N: Number>(g: N) -> N;
     /// c(g₀) with −k″(s) ≤ β·c(g₀) along g(s) = g₀ − β(s − c)².

@@ -9,6 +9,7 @@ pub struct Octic;
 
 impl KernelShape for Octic {
     const IN_G: &'static [f64] = &[0.0, 0.0, 0.0, 0.0, 1.0];
+    const SLOPE_FACTOR: f32 = 4.0;
 
     #[inline(always)]
     fn of_g<N: Number>(g: N) -> N {
@@ -17,8 +18,14 @@ impl KernelShape for Octic {
     }
 
     #[inline(always)]
-    fn slope<N: Number>(g: N) -> N {
-        g * g * g * 4.0
+    fn plus<N: Number>(g: N, sum: N) -> N {
+        let g2 = g * g;
+        g2.mul_add(g2, sum)
+    }
+
+    #[inline(always)]
+    fn slope_in_part<N: Number>(g: N) -> N {
+        g * g * g
     }
 
     #[inline(always)]

@@ -9,6 +9,7 @@ pub struct Sextic;
 
 impl KernelShape for Sextic {
     const IN_G: &'static [f64] = &[0.0, 0.0, 0.0, 1.0];
+    const SLOPE_FACTOR: f32 = 3.0;
 
     #[inline(always)]
     fn of_g<N: Number>(g: N) -> N {
@@ -16,8 +17,13 @@ impl KernelShape for Sextic {
     }
 
     #[inline(always)]
-    fn slope<N: Number>(g: N) -> N {
-        g * g * 3.0
+    fn plus<N: Number>(g: N, sum: N) -> N {
+        (g * g).mul_add(g, sum)
+    }
+
+    #[inline(always)]
+    fn slope_in_part<N: Number>(g: N) -> N {
+        g * g
     }
 
     #[inline(always)]

@@ -13,6 +13,7 @@ const CUBE: f32 = 4.0 / 9.0;
 
 impl KernelShape for Wyvill {
     const IN_G: &'static [f64] = &[0.0, 0.0, 5.0 / 9.0, 4.0 / 9.0];
+    const SLOPE_FACTOR: f32 = 1.0;
 
     #[inline(always)]
     fn of_g<N: Number>(g: N) -> N {
@@ -20,7 +21,12 @@ impl KernelShape for Wyvill {
     }
 
     #[inline(always)]
-    fn slope<N: Number>(g: N) -> N {
+    fn plus<N: Number>(g: N, sum: N) -> N {
+        (g * g).mul_add(g * CUBE + SQUARE, sum)
+    }
+
+    #[inline(always)]
+    fn slope_in_part<N: Number>(g: N) -> N {
         g * (g * (3.0 * CUBE) + 2.0 * SQUARE)
     }
 

@@ -23,6 +23,12 @@ pub trait Number:
     fn mul_add(self, factor: Self, summand: Self) -> Self {
         self * factor + summand
     }
+
+    /// `summand − self·factor`, fused likewise.
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, summand: Self) -> Self {
+        summand - self * factor
+    }
 }
 
 impl Number for f32 {}
@@ -58,11 +64,21 @@ impl<S: fearless_simd::Simd> Number for fearless_simd::f32x8<S> {
     fn mul_add(self, factor: Self, summand: Self) -> Self {
         SimdFloat::mul_add(self, factor, summand)
     }
+
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, summand: Self) -> Self {
+        SimdFloat::mul_add(-self, factor, summand)
+    }
 }
 
 impl<S: fearless_simd::Simd> Number for fearless_simd::f32x16<S> {
     #[inline(always)]
     fn mul_add(self, factor: Self, summand: Self) -> Self {
         SimdFloat::mul_add(self, factor, summand)
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, summand: Self) -> Self {
+        SimdFloat::mul_add(-self, factor, summand)
     }
 }

@@ -30,7 +30,7 @@ impl Primitive for Ball {
         // The perpendicular vector: |w|² − c² would cancel.
         let e = xyz(
             #[inline(always)]
-            |k| w[k] - c * d[k],
+            |k| c.neg_mul_add(d[k], w[k]),
         );
         let g0 = (beta * dot(e, e)) * -1.0 + 1.0;
         AlongLine { c, beta, g0 }

@@ -28,6 +28,8 @@ fn slope_and_curvature_are_the_derivatives_of_the_formula() {
             // The formulas for lanes hold their constants in f32.
             let q = 1.0 - at;
             assert!((kernel.derivative(q) + slope).abs() < 2e-7);
+            let sum = with_kernel!(kernel, K => K::plus(F64(at), F64(0.25)).0);
+            assert!((sum - 0.25 - kernel.value(q)).abs() < 1e-7);
             let expected = if at > 0.0 { curvature } else { 0.0 };
             assert!((kernel.second_derivative(q) - expected).abs() < 1e-6);
         }

@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Rays that one task traces.
-const CHUNK: usize = 1024;
+/// Rays that one task traces: with their answers they stay in the caches next to a core.
+const CHUNK: usize = 256;
 /// Side in pixels of the blocks that primary rays are made in: those in which `render` traces.
 const BLOCK: u32 = TIME_BLOCK;
 /// Seed of the hemisphere's directions and of the shuffle.
@@ -106,8 +106,14 @@ impl Bench<'_> {
         let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
             self.tracing.closest_hits(self.frame, rays, hits, scratch)
         };
-        let primary_ray = |pixel: &[u32; 2]| self.primary_ray(*pixel);
-        let (figures, _, counters) = self.pass(0, &pixels, primary_ray, closest)?;
+        let (figures, _, counters) = self.pass(
+            0,
+            &pixels,
+            #[inline(always)]
+            |&pixel| self.primary_ray(pixel),
+            closest,
+            start_at,
+        )?;
         Ok((figures, counters))
     }
 
@@ -128,6 +134,13 @@ impl Bench<'_> {
         self.camera.ray_at(film, secs)
     }
 
+    /// A ray from a hit into the hemisphere above it.
+    #[inline(always)]
+    fn hemisphere_ray(&self, start: &Start) -> Ray {
+        let u = PixelSampler::new(start.pixel, 0, SEED).next_2d();
+        self.leaving_surface(start, cosine_hemisphere(start.normal, u))
+    }
+
     /// When the first sample of a pixel is taken.
     #[inline(always)]
     fn time_secs(&self, pixel: [u32; 2]) -> f64 {
@@ -145,43 +158,54 @@ impl Bench<'_> {
         let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
             self.tracing.closest_hits(self.frame, rays, hits, scratch)
         };
-        let primary_ray = |pixel: &[u32; 2]| self.primary_ray(*pixel);
-        let (primary, hits, counters) = self.pass(0, &pixels, primary_ray, closest)?;
-
-        let starts: Vec<Start> = hits
-            .into_iter()
-            .zip(&pixels)
-            .filter_map(|(hit, &pixel)| {
-                let hit: Hit = hit?;
-                Some(Start {
-                    position: hit.position,
-                    normal: hit.normal,
-                    pixel,
-                })
-            })
-            .collect();
+        let (primary, starts, counters) = self.pass(
+            0,
+            &pixels,
+            #[inline(always)]
+            |&pixel| self.primary_ray(pixel),
+            closest,
+            start_at,
+        )?;
+        let starts: Vec<Start> = starts.into_iter().flatten().collect();
         let lit: Vec<Start> = starts
             .iter()
             .filter(|start| start.normal.dot(self.towards_light) > 0.0)
             .copied()
             .collect();
-        let shadow_ray = |start: &Start| self.leaving_surface(start, self.towards_light);
         let blocked = |rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch| {
             self.tracing.any_hits(self.frame, rays, hits, scratch)
         };
-        let (shadow, ..) = self.pass(1, &lit, shadow_ray, blocked)?;
+        let (shadow, ..) = self.pass(
+            1,
+            &lit,
+            #[inline(always)]
+            |start| self.leaving_surface(start, self.towards_light),
+            blocked,
+            |_, &is_hit| is_hit.then_some(()),
+        )?;
 
         let structure_bytes = self.frame.structure_bytes();
         let refinement_secs = self.frame.refinement_secs();
 
-        let hemisphere_ray = |start: &Start| {
-            let u = PixelSampler::new(start.pixel, 0, SEED).next_2d();
-            self.leaving_surface(start, cosine_hemisphere(start.normal, u))
-        };
-        let (hemisphere, ..) = self.pass(2, &starts, hemisphere_ray, closest)?;
+        let is_hit = |_: &Start, hit: &Option<Hit>| hit.as_ref().map(|_| ());
+        let (hemisphere, ..) = self.pass(
+            2,
+            &starts,
+            #[inline(always)]
+            |start| self.hemisphere_ray(start),
+            closest,
+            is_hit,
+        )?;
         let mut shuffled = starts;
         shuffle(&mut shuffled);
-        let (shuffled, ..) = self.pass(3, &shuffled, hemisphere_ray, closest)?;
+        let (shuffled, ..) = self.pass(
+            3,
+            &shuffled,
+            #[inline(always)]
+            |start| self.hemisphere_ray(start),
+            closest,
+            is_hit,
+        )?;
         Ok(Measured {
             primary,
             shadow,
@@ -193,18 +217,20 @@ impl Bench<'_> {
         })
     }
 
-    /// One pass, `repeats` times: rays are made, traced, and answered within the measured time. The
-    /// answers and the counted work are those of one repeat.
-    fn pass<T: Sync, A: Answer>(
+    /// One pass, `repeats` times: rays are made, traced and answered, and of the answers to hits is kept
+    /// what `keep` wants, all within the measured time. What was kept and the counted work are those of
+    /// one repeat.
+    fn pass<T: Sync, A: Clone + Default + Send, B: Clone + Send>(
         &self,
         pass: u64,
         items: &[T],
         ray_of: impl Fn(&T) -> Ray + Sync,
         trace: impl Fn(&[Ray], &mut [A], &mut Scratch) -> Result<(), TraceError> + Sync,
-    ) -> Outcome<(PassFigures, Vec<A>, Counters)> {
+        keep: impl Fn(&T, &A) -> Option<B> + Sync,
+    ) -> Outcome<(PassFigures, Vec<Option<B>>, Counters)> {
         let (mut times, mut device_times) = (Vec::new(), Vec::new());
         let together = self.tracing.together(CHUNK);
-        let mut answers = vec![A::default(); items.len()];
+        let mut kept = vec![None; items.len()];
         let mut counters = Counters::default();
         for repeat in 0..self.repeats {
             interrupt::check()?;
@@ -212,16 +238,20 @@ impl Bench<'_> {
             let start = Instant::now();
             counters = items
                 .par_chunks(together)
-                .zip(answers.par_chunks_mut(together))
+                .zip(kept.par_chunks_mut(together))
                 .map_init(
-                    <(Vec<Ray>, Scratch)>::default,
-                    |(rays, scratch), (items, answers)| {
+                    <(Vec<Ray>, Vec<A>, Scratch)>::default,
+                    |(rays, answers, scratch), (items, kept)| {
                         rays.clear();
-                        rays.reserve(items.len());
-                        for item in items {
-                            rays.push(ray_of(item));
-                        }
+                        rays.extend(items.iter().map(
+                            #[inline(always)]
+                            |item| ray_of(item),
+                        ));
+                        answers.resize(items.len(), A::default());
                         trace(rays, answers, scratch)?;
+                        for ((item, answer), kept) in items.iter().zip(&*answers).zip(kept) {
+                            *kept = keep(item, answer);
+                        }
                         Ok(std::mem::take(&mut scratch.counters))
                     },
                 )
@@ -245,7 +275,7 @@ impl Bench<'_> {
                 0.0
             }
         };
-        let hits = answers.iter().filter(|answer| answer.is_hit()).count();
+        let hits = kept.iter().flatten().count();
         let figures = PassFigures {
             rays,
             secs,
@@ -255,25 +285,17 @@ impl Bench<'_> {
             device_mrays_per_sec: (!device_times.is_empty())
                 .then(|| rate(median(&mut device_times))),
         };
-        Ok((figures, answers, counters))
+        Ok((figures, kept, counters))
     }
 }
 
-/// What a ray is answered with.
-trait Answer: Clone + Default + Send + Sync {
-    fn is_hit(&self) -> bool;
-}
-
-impl Answer for Option<Hit> {
-    fn is_hit(&self) -> bool {
-        self.is_some()
-    }
-}
-
-impl Answer for bool {
-    fn is_hit(&self) -> bool {
-        *self
-    }
+/// Where secondary rays start behind a pixel's hit.
+fn start_at(&pixel: &[u32; 2], hit: &Option<Hit>) -> Option<Start> {
+    hit.map(|hit| Start {
+        position: hit.position,
+        normal: hit.normal,
+        pixel,
+    })
 }
 
 /// The pixels of an image, block after block of 4 × 4, so that neighbours follow each other.

@@ -187,8 +187,9 @@ pub fn visit_leaves<'a, S: Simd, const MOVES: bool>(
         return 0;
     }
     let elapsed = f32x8::splat(simd, elapsed);
-    let origin: [f32x8<S>; 3] = splat3(simd, ray.origin);
     let inverse: [f32x8<S>; 3] = splat3(simd, ray.inverse);
+    // (face − origin)/direction; boxes are padded by more than this rounds.
+    let shift: [f32x8<S>; 3] = splat3(simd, [0, 1, 2].map(|k| -ray.origin[k] * ray.inverse[k]));
     let octant = Octant::new([
         ray.inverse[0] < 0.0,
         ray.inverse[1] < 0.0,
@@ -234,7 +235,7 @@ pub fn visit_leaves<'a, S: Simd, const MOVES: bool>(
                 |axis| {
                     let row = octant.near_row[axis];
                     let faces = faces_at::<_, MOVES>(simd, ends, row, elapsed);
-                    (faces - origin[axis]) * inverse[axis]
+                    faces.mul_add(inverse[axis], shift[axis])
                 },
             );
             let far = xyz(
@@ -242,7 +243,7 @@ pub fn visit_leaves<'a, S: Simd, const MOVES: bool>(
                 |axis| {
                     let row = octant.far_row[axis];
                     let faces = faces_at::<_, MOVES>(simd, ends, row, elapsed);
-                    (faces - origin[axis]) * inverse[axis]
+                    faces.mul_add(inverse[axis], shift[axis])
                 },
             );
             let near = near[0].max(near[1]).max(near[2].max(start));

@@ -114,7 +114,7 @@ pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         let shape = shape_lanes::<S, P>(simd, stored, chunk);
         let line = P::along(&shape[..P::COLUMNS], w, direction);
         let away = line.c.max(zero).min(length) - line.c;
-        let most = line.g0 - line.beta * away * away;
+        let most = Number::neg_mul_add(line.beta * away, away, line.g0);
         let meets = most.simd_gt(zero);
         let bits = meets.to_bitmask();
         if bits == 0 {
@@ -126,15 +126,20 @@ pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         line.c
             .compress(meets)
             .store_slice(&mut active.c[count..end]);
-        line.beta
-            .compress(meets)
-            .store_slice(&mut active.beta[count..end]);
+        let beta = if P::BETA_TURNS || stored.shape.is_none() {
+            line.beta.compress(meets)
+        } else {
+            line.beta
+        };
+        beta.store_slice(&mut active.beta[count..end]);
         line.g0
             .compress(meets)
             .store_slice(&mut active.g0[count..end]);
-        weight
-            .compress(meets)
-            .store_slice(&mut active.weight[count..end]);
+        let weight = match stored.weight {
+            Some(_) => weight,
+            None => weight.compress(meets),
+        };
+        weight.store_slice(&mut active.weight[count..end]);
         count += bits.count_ones() as usize;
     }
     active.finish(count);

@@ -143,7 +143,7 @@ impl Camera {
     }
 
     /// [`Camera::ray`] at a time, in seconds relative to the frame.
-    #[inline]
+    #[inline(always)]
     pub fn ray_at(&self, film: [f64; 2], secs: f64) -> Ray {
         let ray = match &self.path {
             None => self.ray(film),

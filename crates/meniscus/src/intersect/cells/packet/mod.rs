@@ -7,6 +7,8 @@
 
 mod cull;
 mod few;
+mod gather;
+mod gradient;
 mod leaf;
 mod prepare;
 mod step;
@@ -24,7 +26,7 @@ use crate::math::simd::xyz;
 use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
-use leaf::ActiveLanes;
+use gather::{ActiveLanes, Alike};
 use prepare::Prepared;
 use visit::PacketStack;
 
@@ -68,9 +70,10 @@ struct Lanes<'a, S: Simd> {
     /// The same in f64.
     prepared: &'a Prepared,
     direction: [f32x16<S>; 3],
-    /// Starts and inverse directions, for slab tests.
+    /// Starts and inverse directions, for slab tests, and −start times inverse direction.
     origin: [f32x16<S>; 3],
     inverse: [f32x16<S>; 3],
+    shift: [f32x16<S>; 3],
     /// Whether the directions' components are negative, alike in all lanes.
     negative: [bool; 3],
     /// Length of the stretches; negative in lanes without a ray.
@@ -85,8 +88,11 @@ struct Lanes<'a, S: Simd> {
 /// The equation and what is asked.
 #[derive(Debug, Clone, Copy)]
 struct Job {
+    /// What the blobs have in common.
+    alike: Alike,
+    /// In weights of blobs that are alike.
     threshold: f32,
-    /// Wanted accuracy of a crossing, as a length.
+    /// Wanted accuracy of a crossing, as a length along the ray; in radii of blobs that are alike.
     tolerance: f32,
     /// A leaf entered this close to t_min may hold the start although rounding says otherwise.
     start_margin: f32,
@@ -136,13 +142,16 @@ fn trace_groups<S: Simd, K: KernelShape, P: Primitive>(
     scratch: &mut Scratch,
     outcomes: &mut [Outcome; LANES],
 ) {
-    let Some(prepared) = Prepared::new(blobs, cells, rays) else {
+    let Some(bounds) = &cells.bounds else {
         return;
     };
+    let prepared = Prepared::new(blobs, cells, bounds, rays);
     scratch.counters.rays += prepared.traceable;
+    let alike = Alike::of::<P>(cells.stored());
     let job = Job {
-        threshold: blobs.field.threshold,
-        tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing,
+        alike,
+        threshold: blobs.field.threshold / alike.weight,
+        tolerance: T_TOLERANCE_SPACINGS * blobs.field.spacing * alike.per_radius,
         start_margin: start_margin(cells.bounds),
         near_start: near_start(blobs, cells.bounds),
         any,
@@ -205,11 +214,17 @@ fn trace_group<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         }
     }
     let leader = group.trailing_zeros() as usize % LANES;
+    let origin = load3(simd, &origin);
+    let inverse = load3(simd, &prepared.inverse);
     let mut lanes = Lanes {
         prepared,
         direction: load3(simd, &prepared.direction_f32),
-        origin: load3(simd, &origin),
-        inverse: load3(simd, &prepared.inverse),
+        origin,
+        inverse,
+        shift: xyz(
+            #[inline(always)]
+            |axis| -origin[axis] * inverse[axis],
+        ),
         negative: [
             prepared.inverse[0][leader] < 0.0,
             prepared.inverse[1][leader] < 0.0,
@@ -238,15 +253,28 @@ fn trace_group<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
             let in_leaf = u64::from(mask.count_ones());
             leaves_visited[0] += in_leaf;
             leaves_visited[1] += in_leaf * leaf.header.count as u64;
-            leaf.trace::<S, K, P, MOVES>(
-                simd,
-                job,
-                lanes,
-                active,
-                (mask, near, far),
-                &mut seen_leaf,
-                outcomes,
-            )
+            let there = (mask, near, far);
+            if !P::BETA_TURNS && job.alike.are {
+                leaf.trace::<S, K, P, MOVES, true>(
+                    simd,
+                    job,
+                    lanes,
+                    active,
+                    there,
+                    &mut seen_leaf,
+                    outcomes,
+                )
+            } else {
+                leaf.trace::<S, K, P, MOVES, false>(
+                    simd,
+                    job,
+                    lanes,
+                    active,
+                    there,
+                    &mut seen_leaf,
+                    outcomes,
+                )
+            }
         },
     );
     counters.nodes += nodes;

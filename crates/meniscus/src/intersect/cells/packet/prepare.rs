@@ -5,6 +5,7 @@ use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::traverse::TINY_COMPONENT;
 use crate::frame::Blobs;
+use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Side};
 use glam::DVec3;
 
@@ -38,10 +39,9 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares up to sixteen rays; `None` where there are no cells.
+    /// Prepares up to sixteen rays; `bounds` is the cells' box.
     #[inline(always)]
-    pub(super) fn new(blobs: &Blobs, cells: &Cells, rays: &[Ray]) -> Option<Self> {
-        let bounds = cells.bounds?;
+    pub(super) fn new(blobs: &Blobs, cells: &Cells, bounds: &Aabb, rays: &[Ray]) -> Self {
         let mut origin = [[0.0_f64; LANES]; 3];
         let mut direction = [[1.0_f64; LANES]; 3];
         let (mut t_min, mut t_max) = ([0.0_f64; LANES], [-1.0_f64; LANES]);
@@ -135,7 +135,7 @@ impl Prepared {
             side_is_proven: 0,
         };
         prepared.settle_sides(blobs, rays);
-        Some(prepared)
+        prepared
     }
 
     /// On which side the rays start.

@@ -3,7 +3,7 @@
 //! With φ = F − T < 0 and K ≥ φ″ on the segment, φ stays below the parabola φ + φ′δ + Kδ²/2, so no
 //! crossing lies before its root. Near a crossing the steps become Newton's.
 
-use super::leaf::ActiveLanes;
+use super::gather::{ActiveBlob, ActiveLanes};
 use super::{Job, few};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
@@ -35,7 +35,7 @@ pub(super) struct Stepped<S: Simd> {
 /// may be at their own start. `rise` bounds |φ″|, behind `last_approach` φ falls, `extent` bounds the
 /// coordinates.
 #[inline(always)]
-pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
+pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive, const ALIKE: bool>(
     simd: S,
     job: &Job,
     active: &ActiveLanes,
@@ -55,13 +55,13 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
     let end = length.min(last_approach + rounding);
     if at_start == 0 {
         if let [blob] = active.blobs() {
-            return few::lone_blob::<S, K, P>(simd, job, blob, (todo, length));
+            return few::lone_blob::<S, K, P, ALIKE>(simd, job, blob, (todo, length));
         }
-        at = few::first_support::<S, P>(simd, active);
+        at = few::first_support::<S, P, ALIKE>(simd, active);
         rest &= at.simd_le(length).to_bitmask() as u32;
     }
     for step in 0..MOST_STEPS {
-        let (phi, slope) = sample::<S, K, P>(simd, job, active, at);
+        let (phi, slope) = sample::<S, K, P, ALIKE>(simd, job, active, at);
         let root = (slope * slope - rise * phi * 2.0).max(zero).sqrt();
         let inwards = slope.simd_gt(zero);
         // The larger root of the parabola, in the form that does not cancel.
@@ -119,22 +119,49 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive>(
 
 /// φ and φ′ at one point per lane.
 #[inline(always)]
-fn sample<S: Simd, K: KernelShape, P: Primitive>(
+fn sample<S: Simd, K: KernelShape, P: Primitive, const ALIKE: bool>(
     simd: S,
     job: &Job,
     active: &ActiveLanes,
     at: f32x16<S>,
 ) -> (f32x16<S>, f32x16<S>) {
-    let zero = f32x16::splat(simd, 0.0);
-    let (mut sum, mut slope) = (zero, zero);
-    for blob in active.blobs() {
-        let away = f32x16::from_slice(simd, &blob.c) - at;
-        let pull = away * blob.beta_lanes::<S, P>(simd);
-        let g = (f32x16::from_slice(simd, &blob.g0) - pull * away).max(zero);
-        let weight = f32x16::splat(simd, blob.weight);
-        sum = Number::mul_add(K::of_g(g), weight, sum);
-        slope = Number::mul_add(K::slope(g) * pull, weight, slope);
+    let none = [f32x16::splat(simd, 0.0); 2];
+    // Two sums of each: one would wait for itself from blob to blob.
+    let (mut even, mut odd) = (none, none);
+    let (pairs, last) = active.blobs().as_chunks::<2>();
+    for [first, second] in pairs {
+        even = with_blob::<S, K, P, ALIKE>(simd, first, at, even);
+        odd = with_blob::<S, K, P, ALIKE>(simd, second, at, odd);
     }
-    let slope = slope * 2.0;
-    (sum - job.threshold, slope)
+    if let [last] = last {
+        even = with_blob::<S, K, P, ALIKE>(simd, last, at, even);
+    }
+    let ([sum, slope], [other_sum, other_slope]) = (even, odd);
+    (
+        sum + other_sum - job.threshold,
+        (slope + other_slope) * (2.0 * K::SLOPE_FACTOR),
+    )
+}
+
+/// Sums of F and of its slope in part, with one blob more.
+#[inline(always)]
+fn with_blob<S: Simd, K: KernelShape, P: Primitive, const ALIKE: bool>(
+    simd: S,
+    blob: &ActiveBlob,
+    at: f32x16<S>,
+    [sum, slope]: [f32x16<S>; 2],
+) -> [f32x16<S>; 2] {
+    let away = f32x16::from_slice(simd, &blob.c) - at;
+    let pull = away * blob.beta_lanes::<S, P, ALIKE>(simd);
+    let g0 = f32x16::from_slice(simd, &blob.g0);
+    let g = Number::neg_mul_add(pull, away, g0).max(f32x16::splat(simd, 0.0));
+    if ALIKE {
+        let slope = Number::mul_add(K::slope_in_part(g), pull, slope);
+        return [K::plus(g, sum), slope];
+    }
+    let weight = f32x16::splat(simd, blob.weight);
+    [
+        Number::mul_add(K::of_g(g), weight, sum),
+        Number::mul_add(K::slope_in_part(g) * weight, pull, slope),
+    ]
 }

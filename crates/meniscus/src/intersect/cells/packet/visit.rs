@@ -259,14 +259,14 @@ fn range_in<S: Simd, const MOVES: bool>(
         #[inline(always)]
         |axis| {
             let face = face_at(octant.near_row[axis]);
-            (face - lanes.origin[axis]) * lanes.inverse[axis]
+            Number::mul_add(face, lanes.inverse[axis], lanes.shift[axis])
         },
     );
     let far = xyz(
         #[inline(always)]
         |axis| {
             let face = face_at(octant.far_row[axis]);
-            (face - lanes.origin[axis]) * lanes.inverse[axis]
+            Number::mul_add(face, lanes.inverse[axis], lanes.shift[axis])
         },
     );
     (
