@@ -243,10 +243,7 @@ impl Bench<'_> {
                     <(Vec<Ray>, Vec<A>, Scratch)>::default,
                     |(rays, answers, scratch), (items, kept)| {
                         rays.clear();
-                        rays.extend(items.iter().map(
-                            #[inline(always)]
-                            |item| ray_of(item),
-                        ));
+                        rays.extend(items.iter().map(&ray_of));
                         answers.resize(items.len(), A::default());
                         trace(rays, answers, scratch)?;
                         for ((item, answer), kept) in items.iter().zip(&*answers).zip(kept) {
