@@ -159,12 +159,12 @@ impl Ordered<'_> {
             near.take(simd, &region, reach, &self.places);
             for (block, found) in found.chunks_mut(LANES).enumerate() {
                 let first = group.start + block * LANES;
-                let at = self.places.block(simd, first, found.len(), &near.home);
+                let at = self.places.block(simd, first, found.len(), near.middle);
                 let mut per_reach = [0.0; LANES];
                 for lane in 0..found.len() {
-                    per_reach[lane] = (reach / (NEIGHBOURHOOD * self.supports[first + lane])) as f32;
+                    per_reach[lane] = (1.0 / (NEIGHBOURHOOD * self.supports[first + lane])) as f32;
                 }
-                let list = near.narrowed(simd, &at);
+                let list = near.narrowed(simd, &at, reach);
                 let numbers = shapes(simd, list.columns(), &at, &per_reach);
                 for (lane, found) in found.iter_mut().enumerate() {
                     for (number, lanes) in found.iter_mut().zip(&numbers) {

@@ -40,16 +40,16 @@ impl Places {
         (high - middle.0) + (low - middle.1)
     }
 
-    /// Coordinates of `filled` particles about `home`; lanes behind them are where the last is.
+    /// Coordinates of `filled` particles relative to `middle`; lanes behind them are where the last is.
     #[inline(always)]
     pub(super) fn block<S: Simd>(
         &self,
         simd: S,
         first: usize,
         filled: usize,
-        home: &Home,
+        middle: DVec3,
     ) -> [f32x16<S>; 3] {
-        let mut block = self.sixteen(simd, first, home);
+        let mut block = self.sixteen(simd, first, middle);
         if filled < LANES {
             for lanes in &mut block {
                 let mut places: [f32; LANES] = (*lanes).to_array();
@@ -62,21 +62,14 @@ impl Places {
     }
 
     #[inline(always)]
-    fn sixteen<S: Simd>(&self, simd: S, first: usize, home: &Home) -> [f32x16<S>; 3] {
-        let middle = home.middle.to_array().map(parted);
+    fn sixteen<S: Simd>(&self, simd: S, first: usize, middle: DVec3) -> [f32x16<S>; 3] {
+        let middle = middle.to_array().map(parted);
         [
-            self.lanes(simd, 0, first, middle[0]) * home.per_reach,
-            self.lanes(simd, 1, first, middle[1]) * home.per_reach,
-            self.lanes(simd, 2, first, middle[2]) * home.per_reach,
+            self.lanes(simd, 0, first, middle[0]),
+            self.lanes(simd, 1, first, middle[1]),
+            self.lanes(simd, 2, first, middle[2]),
         ]
     }
-}
-
-/// Coordinates about a few particles, in which their reach is 1.
-#[derive(Default)]
-pub(super) struct Home {
-    middle: DVec3,
-    per_reach: f32,
 }
 
 /// A number as the sum of two f32.
@@ -126,17 +119,17 @@ impl List {
 struct Reach<S: Simd> {
     middle: [f32x16<S>; 3],
     half: [f32x16<S>; 3],
+    square: f32x16<S>,
 }
-
-/// The square of the reach and a little more, for what rounding takes.
-const REACH_SQUARE: f32 = 1.001;
 
 impl<S: Simd> Reach<S> {
     #[inline(always)]
-    fn new(simd: S, middle: [f32; 3], half: [f32; 3]) -> Self {
+    fn new(simd: S, middle: [f32; 3], half: [f32; 3], reach: f64) -> Self {
         Self {
             middle: splat3(simd, middle),
             half: splat3(simd, half),
+            // A little more, for what rounding takes.
+            square: f32x16::splat(simd, ((reach * reach) as f32) * 1.001),
         }
     }
 
@@ -149,15 +142,14 @@ impl<S: Simd> Reach<S> {
             let beyond = ((place[axis] - self.middle[axis]).abs() - self.half[axis]).max(zero);
             apart = beyond.mul_add(beyond, apart);
         }
-        let within = apart.simd_le(f32x16::splat(simd, REACH_SQUARE));
-        within.to_bitmask() & ((1 << filled) - 1)
+        apart.simd_le(self.square).to_bitmask() & ((1 << filled) - 1)
     }
 }
 
-/// Places about a few particles.
+/// Places about a few particles, relative to their middle.
 #[derive(Default)]
 pub(super) struct Near {
-    pub(super) home: Home,
+    pub(super) middle: DVec3,
     group: List,
     block: List,
     runs: Vec<Range<usize>>,
@@ -166,10 +158,7 @@ pub(super) struct Near {
 impl Near {
     /// Finds all particles that one within `region` may reach; `points` is in the order of the places.
     pub(super) fn find(&mut self, region: &DAabb, reach: f64, points: &BoxTree) {
-        self.home = Home {
-            middle: region.center(),
-            per_reach: (1.0 / reach) as f32,
-        };
+        self.middle = region.center();
         self.runs.clear();
         let square = reach * reach;
         points.for_each_range(
@@ -189,11 +178,11 @@ impl Near {
     pub(super) fn take<S: Simd>(&mut self, simd: S, region: &DAabb, reach: f64, places: &Places) {
         self.group
             .start(self.runs.iter().map(|run| run.len()).sum());
-        let half = (0.5 / reach * region.size()).as_vec3().to_array();
-        let within = Reach::new(simd, [0.0; 3], half);
+        let half = (0.5 * region.size()).as_vec3().to_array();
+        let within = Reach::new(simd, [0.0; 3], half, reach);
         for run in &self.runs {
             for first in run.clone().step_by(LANES) {
-                let place = places.sixteen(simd, first, &self.home);
+                let place = places.sixteen(simd, first, self.middle);
                 let bits = within.holds(simd, place, (run.end - first).min(LANES));
                 if bits != 0 {
                     self.group.add(simd, place, bits);
@@ -204,14 +193,14 @@ impl Near {
 
     /// Of these what `at`, some of the particles, can reach.
     #[inline(always)]
-    pub(super) fn narrowed<S: Simd>(&mut self, simd: S, at: &[f32x16<S>; 3]) -> &List {
+    pub(super) fn narrowed<S: Simd>(&mut self, simd: S, at: &[f32x16<S>; 3], reach: f64) -> &List {
         let Self { group, block, .. } = self;
         block.start(group.count);
         let low = [0, 1, 2].map(|axis| at[axis].reduce_min());
         let high = [0, 1, 2].map(|axis| at[axis].reduce_max());
         let middle = [0, 1, 2].map(|axis| 0.5 * (low[axis] + high[axis]));
         let half = [0, 1, 2].map(|axis| 0.5 * (high[axis] - low[axis]));
-        let within = Reach::new(simd, middle, half);
+        let within = Reach::new(simd, middle, half, reach);
         for first in (0..group.count).step_by(LANES) {
             let lanes = first..first + LANES;
             let [x, y, z] = &group.columns;

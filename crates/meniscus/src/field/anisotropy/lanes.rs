@@ -22,7 +22,7 @@ struct Sums<S: Simd> {
 }
 
 /// The shapes of the particles `at` these places, of which those at `near` are neighbours; `per_reach`
-/// is 1/r in the same unit.
+/// is 1/r.
 #[inline(always)]
 pub(super) fn shapes<S: Simd>(
     simd: S,
@@ -33,12 +33,11 @@ pub(super) fn shapes<S: Simd>(
     settle(simd, sums(simd, near, at, per_reach))
 }
 
-/// Σw, Σw·e and Σw·e·eᵀ, e = (neighbour − `at`)·`per_reach`, w = 1 − |e|³. Only sums are scaled.
+/// Σw, Σw·e and Σw·e·eᵀ, e = (neighbour − `at`)·`per_reach`, w = 1 − |e|³.
 #[inline(always)]
 fn sums<S: Simd>(simd: S, near: [&[f32]; 3], at: &[f32x16<S>; 3], per_reach: &Lanes) -> Sums<S> {
     let [ax, ay, az] = *at;
     let scale = f32x16::from_slice(simd, per_reach);
-    let minus_cube = -(scale * scale * scale);
     let zero = f32x16::splat(simd, 0.0);
     let one = f32x16::splat(simd, 1.0);
     let mut weight = zero;
@@ -46,30 +45,22 @@ fn sums<S: Simd>(simd: S, near: [&[f32]; 3], at: &[f32x16<S>; 3], per_reach: &La
     let mut second = [zero; 6];
     let [x, y, z] = near;
     for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
-        let dx = f32x16::splat(simd, x) - ax;
-        let dy = f32x16::splat(simd, y) - ay;
-        let dz = f32x16::splat(simd, z) - az;
-        let square = dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-        let cube = square * square.sqrt();
-        let w = cube.mul_add(minus_cube, one).max(zero);
-        let (wx, wy, wz) = (w * dx, w * dy, w * dz);
+        let ex = (f32x16::splat(simd, x) - ax) * scale;
+        let ey = (f32x16::splat(simd, y) - ay) * scale;
+        let ez = (f32x16::splat(simd, z) - az) * scale;
+        let square = ex.mul_add(ex, ey.mul_add(ey, ez * ez));
+        let w = (one - square * square.sqrt()).max(zero);
+        let (wx, wy, wz) = (w * ex, w * ey, w * ez);
         weight += w;
         first[0] += wx;
         first[1] += wy;
         first[2] += wz;
-        second[0] = wx.mul_add(dx, second[0]);
-        second[1] = wx.mul_add(dy, second[1]);
-        second[2] = wx.mul_add(dz, second[2]);
-        second[3] = wy.mul_add(dy, second[3]);
-        second[4] = wy.mul_add(dz, second[4]);
-        second[5] = wz.mul_add(dz, second[5]);
-    }
-    let square = scale * scale;
-    for sum in &mut first {
-        *sum *= scale;
-    }
-    for sum in &mut second {
-        *sum *= square;
+        second[0] = wx.mul_add(ex, second[0]);
+        second[1] = wx.mul_add(ey, second[1]);
+        second[2] = wx.mul_add(ez, second[2]);
+        second[3] = wy.mul_add(ey, second[3]);
+        second[4] = wy.mul_add(ez, second[4]);
+        second[5] = wz.mul_add(ez, second[5]);
     }
     Sums {
         weight,
