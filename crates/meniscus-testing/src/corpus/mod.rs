@@ -30,7 +30,7 @@ impl Scene {
 }
 
 /// What [`scene`] builds.
-pub const KINDS: [&str; 7] = [
+pub const KINDS: [&str; 8] = [
     "scattered",
     "pool",
     "molecule",
@@ -38,6 +38,7 @@ pub const KINDS: [&str; 7] = [
     "ellipsoids",
     "tangent",
     "negative",
+    "weighed",
 ];
 
 /// The scene of one of [`KINDS`] with about `count` blobs.
@@ -53,6 +54,7 @@ pub fn scene(kind: &str, kernel: Kernel, count: usize) -> Scene {
         "ellipsoids" => points::ellipsoids(count),
         "tangent" => points::tangent_ellipsoids(count),
         "negative" => points::negative(count),
+        "weighed" => points::weighed(count),
         _ => panic!("no scene is called {kind}"),
     };
     Scene::new(kind, &Recipe { kernel, ..recipe })

@@ -24,6 +24,22 @@ pub(super) fn scattered(count: usize) -> Recipe {
     balls(positions, vec![1.0; count], Weighting::Unit, 0.2)
 }
 
+/// The same in another unit of length and of the field.
+pub(super) fn weighed(count: usize) -> Recipe {
+    const RADIUS: f64 = 2.5;
+    const WEIGHT: f64 = 0.35;
+    let Recipe {
+        mut positions,
+        threshold,
+        ..
+    } = scattered(count);
+    for position in &mut positions {
+        *position *= RADIUS;
+    }
+    let weights = Weighting::Given(vec![WEIGHT; count]);
+    balls(positions, vec![RADIUS; count], weights, threshold * WEIGHT)
+}
+
 /// A jittered lattice under a wave, with volume weights: a fluid at rest.
 pub(super) fn pool(count: usize) -> Recipe {
     let side = (count as f64 * 2.5).cbrt().ceil() as usize;
