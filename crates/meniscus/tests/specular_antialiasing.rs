@@ -1,5 +1,5 @@
 //! Small highlights on a rough sea: with widened highlights one sample is closer to what many show, and
-//! nothing is lost in the mean.
+//! nothing is lost in the mean, nor made at silhouettes.
 
 use meniscus::field::BlobField;
 use meniscus::film::PlaneData;
@@ -15,8 +15,26 @@ use meniscus::scene::{
 
 const SIZE: [u32; 2] = [40, 24];
 
+/// From where the sea is seen, and towards the sun.
+#[derive(Clone, Copy)]
+struct View {
+    eye: DVec3,
+    sun: DVec3,
+}
+
+/// Highlights everywhere; a pixel is about a third of the particles' spacing.
+const FROM_ABOVE: View = View {
+    eye: DVec3::new(0.0, 40.0, 45.0),
+    sun: DVec3::new(0.2, 1.0, -0.8),
+};
+/// Along the waves' crests, with the sun behind the eye: nothing shines but what faces it.
+const AT_A_GLANCE: View = View {
+    eye: DVec3::new(0.0, 8.0, 59.0),
+    sun: DVec3::new(0.1, 0.3, 1.0),
+};
+
 /// A sea of particles with short waves that travel along x; `material` shines.
-fn sea(material: Material, shutter_secs: [f64; 2]) -> Frame {
+fn sea(material: Material, view: View, shutter_secs: [f64; 2]) -> Frame {
     const SIDE: i32 = 48;
     let mut positions = Vec::new();
     let mut velocities: Vec<f32> = Vec::new();
@@ -41,7 +59,7 @@ fn sea(material: Material, shutter_secs: [f64; 2]) -> Frame {
     let settings = surface.settings(&BlobSettings::default());
     let mut scene = Scene {
         surfaces: vec![surface],
-        lights: vec![Light::sun(DVec3::new(0.2, 1.0, -0.8))],
+        lights: vec![Light::sun(view.sun)],
         ..Scene::default()
     };
     scene.materials.insert("sea".to_owned(), material);
@@ -51,15 +69,13 @@ fn sea(material: Material, shutter_secs: [f64; 2]) -> Frame {
 
 /// Green of all pixels.
 fn picture(
-    frame: &Frame,
+    (frame, view): (&Frame, View),
     kind: IntegratorKind,
     spp: u32,
     specular_antialiasing: bool,
     shutter_secs: [f64; 2],
 ) -> Vec<f64> {
-    // A pixel is about a third of the particles' spacing.
-    let eye = DVec3::new(0.0, 40.0, 45.0);
-    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.12, SIZE).unwrap();
+    let camera = Camera::new(view.eye, DVec3::ZERO, DVec3::Y, 0.12, SIZE).unwrap();
     let settings = RenderSettings {
         spp,
         shutter_secs,
@@ -107,10 +123,11 @@ fn one_sample_is_closer_to_the_mean_of_many() {
         (IntegratorKind::Path, MaterialKind::Plastic, 0.9),
         (IntegratorKind::Shaded, MaterialKind::Glossy, 0.9),
     ] {
-        let frame = sea(shiny(material, 0.25), still);
-        let reference = picture(&frame, kind, 64, false, still);
-        let plain = error(&picture(&frame, kind, 1, false, still), &reference);
-        let once = picture(&frame, kind, 1, true, still);
+        let frame = sea(shiny(material, 0.25), FROM_ABOVE, still);
+        let seen = (&frame, FROM_ABOVE);
+        let reference = picture(seen, kind, 64, false, still);
+        let plain = error(&picture(seen, kind, 1, false, still), &reference);
+        let once = picture(seen, kind, 1, true, still);
         let filtered = error(&once, &reference);
         println!(
             "{kind:?} {material:?}: error {filtered:.3e} of {plain:.3e}, mean {:.4} of {:.4}",
@@ -121,7 +138,7 @@ fn one_sample_is_closer_to_the_mean_of_many() {
         let bias = mean(&once) / mean(&reference) - 1.0;
         assert!(bias.abs() < 0.1, "{kind:?}: {bias}");
         // What the filter changes vanishes with the samples.
-        let many = picture(&frame, kind, 64, true, still);
+        let many = picture(seen, kind, 64, true, still);
         let left = (error(&many, &reference) / error(&once, &vec![0.0; once.len()])).sqrt();
         let bias = mean(&many) / mean(&reference) - 1.0;
         assert!(bias.abs() < 0.01 && left < 0.1, "{kind:?}: {bias}, {left}");
@@ -132,12 +149,32 @@ fn one_sample_is_closer_to_the_mean_of_many() {
 fn waves_that_turn_within_the_shutter_glitter_less() {
     let shutter = [-0.05, 0.05];
     let (kind, material) = (IntegratorKind::Path, shiny(MaterialKind::Metal, 0.2));
-    let frame = sea(material, shutter);
-    let reference = picture(&frame, kind, 64, false, shutter);
+    let frame = sea(material, FROM_ABOVE, shutter);
+    let seen = (&frame, FROM_ABOVE);
+    let reference = picture(seen, kind, 64, false, shutter);
     let errors = [false, true].map(|filters| {
-        let four = picture(&frame, kind, 4, filters, shutter);
+        let four = picture(seen, kind, 4, filters, shutter);
         error(&four, &reference)
     });
     println!("moving: error {:.3e} of {:.3e}", errors[1], errors[0]);
     assert!(errors[1] < 0.9 * errors[0], "{errors:?}");
+}
+
+#[test]
+fn silhouettes_do_not_shine() {
+    // As a screen shows it: what is too bright counts as white.
+    let still = [0.0; 2];
+    let kind = IntegratorKind::Whitted;
+    let frame = sea(shiny(MaterialKind::Metal, 0.15), AT_A_GLANCE, still);
+    let shown = |spp, filters| {
+        let picture = picture((&frame, AT_A_GLANCE), kind, spp, filters, still);
+        picture.into_iter().map(|g| g.min(1.0)).collect::<Vec<_>>()
+    };
+    let reference = shown(256, false);
+    for spp in [1, 4] {
+        let [plain, filtered] =
+            [false, true].map(|filters| error(&shown(spp, filters), &reference));
+        println!("at a glance, {spp}: error {filtered:.3e} of {plain:.3e}");
+        assert!(filtered < 3.0 * plain, "{spp}: {filtered} of {plain}");
+    }
 }

@@ -16,6 +16,11 @@ const SHUTTER_VARIANCE: f64 = 1.0 / 12.0;
 /// Most that is added to a squared width: normals that differ more are no longer told apart by slopes
 /// (κ of Tokuyoshi & Kaplanyan 2019).
 const MOST_ADDED: f64 = 0.18;
+/// Standard deviations that a sample's share of the pixel reaches. Where the surface turns edge-on within
+/// them, its silhouette is near: beyond it nothing is seen, and on this side the surface bends away from
+/// what the first order says, which makes normals of it that face lights behind the viewer. So the
+/// spread fades with the square of the turn over the distance from the silhouette.
+const REACH: f64 = 4.0;
 
 /// What one sample stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,20 +54,26 @@ impl SpecularFilter {
         })
     }
 
-    /// The spread of normals around `normal` for hits that change like this; `None` where they are
-    /// alike. The slopes' covariance counts twice in squared widths (Kaplanyan et al. 2016, eq. 14).
+    /// The spread of normals around `normal`, seen along `direction`, for hits that change like this;
+    /// `None` where they are alike. The slopes' covariance counts twice in squared widths (Kaplanyan et
+    /// al. 2016, eq. 14).
     pub(super) fn spread(
         &self,
         normal: DVec3,
         [x, y]: [DVec3; 2],
+        direction: DVec3,
         hits: &[HitChange; 3],
     ) -> Option<NormalSpread> {
+        let facing = normal.dot(direction).abs();
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         for (variance, hit) in self.variances.iter().zip(hits) {
-            let (a, b) = (hit.normal.dot(x), hit.normal.dot(y));
-            xx += 2.0 * variance * a * a;
-            xy += 2.0 * variance * a * b;
-            yy += 2.0 * variance * b * b;
+            let turn = hit.normal * variance.sqrt();
+            let reach = REACH * turn.dot(direction) / facing;
+            let turn = turn / (1.0 + reach * reach);
+            let (a, b) = (turn.dot(x), turn.dot(y));
+            xx += 2.0 * a * a;
+            xy += 2.0 * a * b;
+            yy += 2.0 * b * b;
         }
         let total = xx + yy;
         if !(total > 0.0 && total.is_finite()) {
@@ -121,10 +132,11 @@ mod tests {
     fn spread_lies_along_the_turning_of_normals_and_shrinks_with_samples() {
         let normal = DVec3::new(2.0, -1.0, 2.0) / 3.0;
         let frame = tangents(normal);
+        let ahead = -normal;
         let along = (frame[0] * 0.6 + frame[1] * 0.8) * 0.2;
         let nothing = DVec3::ZERO;
         let spread =
-            |spp: u32, shutter: f64, hits| filter(spp, shutter).spread(normal, frame, &hits);
+            |spp: u32, shutter: f64, hits| filter(spp, shutter).spread(normal, frame, ahead, &hits);
         let space = spread(4, 0.0, turning([along, nothing, nothing])).unwrap();
         assert!(space.tangents[1].dot(along.normalize()).abs() > 1.0 - 1e-12);
         let [x, y] = space.tangents;
@@ -138,5 +150,27 @@ mod tests {
         let all = spread(1, 0.5, turning([along, x * 9.0, y * 900.0])).unwrap();
         assert!(all.added.iter().all(|&added| added <= MOST_ADDED));
         assert_eq!(SpecularFilter::new(&ShadeSettings::default()), None);
+    }
+
+    #[test]
+    fn spread_fades_towards_silhouettes_and_not_along_them() {
+        let frame = [DVec3::X, DVec3::Y];
+        let filter = filter(1, 0.0);
+        let sigma = PIXEL_VARIANCE.sqrt();
+        let (cosine, turn) = (0.1_f64, 0.3);
+        let direction = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, -cosine);
+        let added = |along: DVec3| {
+            let hits = turning([along * turn, DVec3::ZERO, DVec3::ZERO]);
+            let spread = filter.spread(DVec3::Z, frame, direction, &hits);
+            spread.unwrap().added[1]
+        };
+        let whole = 2.0 * (sigma * turn).powi(2);
+        assert!((added(DVec3::Y) - whole).abs() < 1e-15);
+        let reach = 4.0 * sigma * turn * direction.x / cosine;
+        let left = (1.0 + reach * reach).recip();
+        assert!(left < 0.1 && (added(DVec3::X) - whole * left * left).abs() < 1e-15);
+        // Edge-on nothing is left.
+        let hits = turning([DVec3::X, DVec3::ZERO, DVec3::ZERO]);
+        assert_eq!(filter.spread(DVec3::Z, frame, DVec3::X, &hits), None);
     }
 }

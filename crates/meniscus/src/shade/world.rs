@@ -341,7 +341,7 @@ impl<'a> World<'a> {
         // Bodies refract by the face, so that what goes in comes out.
         let normal = viewed_normal(ray, &hit, material.is_medium());
         let changes = self.changes(ray, &hit);
-        let spread = self.spread(normal, changes.as_ref());
+        let spread = self.spread(ray, normal, changes.as_ref());
         let [x, y] = spread.map_or_else(|| tangents(normal), |spread| spread.tangents);
         let bsdf = spread.map_or(bsdf, |spread| self.widened(bsdf, spread.added));
         let axes = [x, y, normal];
@@ -372,14 +372,19 @@ impl<'a> World<'a> {
         }))
     }
 
-    fn spread(&self, normal: DVec3, changes: Option<&[HitChange; 3]>) -> Option<NormalSpread> {
+    fn spread(
+        &self,
+        ray: &Ray,
+        normal: DVec3,
+        changes: Option<&[HitChange; 3]>,
+    ) -> Option<NormalSpread> {
         let filter = self.filter.as_ref()?;
-        filter.spread(normal, tangents(normal), changes?)
+        filter.spread(normal, tangents(normal), ray.direction, changes?)
     }
 
     /// The spread of normals around `normal` at a hit, where highlights are to be widened by it.
     pub(super) fn spread_at(&self, ray: &Ray, hit: &Hit, normal: DVec3) -> Option<NormalSpread> {
-        self.spread(normal, self.changes(ray, hit).as_ref())
+        self.spread(ray, normal, self.changes(ray, hit).as_ref())
     }
 
     /// The highlight of a coat or metal, wider by `added`; others stay as they are.
