@@ -34,5 +34,5 @@ pub use peel::{
     peel_sources,
 };
 pub use shader::{BuildKind, BuildStep, FieldMotion, ShaderKind, sources};
-pub use stages::{StageModule, attribute_sources};
+pub use stages::{FieldStage, StageModule};
 pub use tracer::{FieldTracer, TraceWork, TracerOptions, TreeUpdate};

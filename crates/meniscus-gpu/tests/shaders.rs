@@ -3,8 +3,8 @@
 use meniscus::kernel::Kernel;
 use meniscus::scene::{IntegratorKind, PeelVariant};
 use meniscus_gpu::{
-    BuildKind, BuildStep, Clipping, FieldMotion, PeelKind, PeelModule, ShaderKind, StageModule,
-    attribute_sources, peel_sources, sources,
+    BuildKind, BuildStep, Clipping, FieldMotion, FieldStage, PeelKind, PeelModule, ShaderKind,
+    StageModule, peel_sources, sources,
 };
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -125,17 +125,24 @@ fn stages_are_valid() {
 }
 
 #[test]
-fn those_that_blend_attributes_are_valid() {
+fn those_that_look_at_particles_are_valid() {
     for kind in kinds() {
-        for columns in [1, 8] {
-            let text = attribute_sources(&kind, columns);
+        for stage in [
+            FieldStage::Attributes(1),
+            FieldStage::Attributes(8),
+            FieldStage::Derivatives,
+        ] {
+            let text = stage.sources(&kind);
             let parsed = naga::front::wgsl::parse_str(&text)
                 .unwrap_or_else(|error| panic!("{kind:?}: {}", error.emit_to_string(&text)));
             let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
             if let Err(error) = validator.validate(&parsed) {
                 panic!("{kind:?}: {}", error.emit_to_string(&text));
             }
-            assert_eq!(parsed.entry_points.len(), 1);
+            let entries: Vec<&str> = (parsed.entry_points.iter())
+                .map(|entry| entry.name.as_str())
+                .collect();
+            assert_eq!(entries, [stage.entry_point()]);
         }
     }
 }
@@ -160,7 +167,7 @@ fn structs_of_stages_lie_as_the_host_writes_them() {
     let rows = |count: u32| (0..count).flat_map(|row| [16 * row, 16 * row + 12]);
     let surfaces = parsed(StageModule::Surfaces);
     let picture = rows(10).chain((160..176).step_by(4)).chain([176]);
-    let picture = picture.chain((192..296).step_by(4)).collect();
+    let picture = picture.chain((192..304).step_by(4)).collect();
     assert_eq!(offsets_in(&surfaces, "Picture"), (picture, 304));
     assert_eq!(offsets_in(&surfaces, "FieldPlace"), (rows(4).collect(), 64));
     assert_eq!(offsets_in(&surfaces, "Question"), (rows(4).collect(), 64));
@@ -173,6 +180,8 @@ fn structs_of_stages_lie_as_the_host_writes_them() {
     let whitted = parsed(StageModule::Integrator(IntegratorKind::Whitted));
     assert_eq!(offsets_in(&whitted, "Branch").1, 96);
     assert_eq!(offsets_in(&whitted, "Look").1, 48);
+    assert_eq!(offsets_in(&whitted, "Differential").1, 112);
+    assert_eq!(offsets_in(&whitted, "LevelSet").1, 80);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! and done by the processor, whole.
 
 mod blend;
+mod field_stage;
 mod picture;
 mod programs;
 mod sources;
@@ -10,7 +11,7 @@ mod sources;
 mod twin_tests;
 mod wave;
 
-pub use sources::{StageModule, attribute_sources};
+pub use sources::{FieldStage, StageModule};
 
 pub(crate) use programs::StagePrograms;
 
@@ -20,6 +21,7 @@ use crate::frame::FrameTracer;
 use crate::tracer::TraceWork;
 use crate::uploaded::Uploaded;
 use blend::Blend;
+use field_stage::FieldProgram;
 use glam::DVec3;
 use meniscus::intersect::TraceError;
 use meniscus::render::{SampleBlock, SampleRun, SampleStages, StagedPicture, StagedSample};
@@ -48,10 +50,17 @@ struct Field<'s> {
     uploaded: &'s Uploaded,
     /// Where its looks follow attributes.
     blend: Option<Blend>,
+    /// Where highlights are widened.
+    derivatives: Option<Arc<FieldProgram>>,
 }
 
 impl<'s> Field<'s> {
-    fn new(device: &Device, field: &StagedField, uploaded: &'s Uploaded) -> Result<Self, Unstaged> {
+    fn new(
+        device: &Device,
+        field: &StagedField,
+        uploaded: &'s Uploaded,
+        antialiases: bool,
+    ) -> Result<Self, Unstaged> {
         let columns = Some(&field.columns).filter(|columns| columns.per_particle > 0);
         let blend = columns
             .map(|columns| match Blend::new(device, uploaded, columns) {
@@ -59,11 +68,18 @@ impl<'s> Field<'s> {
                 Ok(None) | Err(_) => Err(Unstaged::Room),
             })
             .transpose()?;
+        let derivatives = antialiases
+            .then(|| {
+                let programs = &device.stages.fields;
+                (programs.get(device, uploaded, FieldStage::Derivatives)).ok_or(Unstaged::Room)
+            })
+            .transpose()?;
         Ok(Self {
             surface: field.surface,
             offset: field.offset,
             uploaded,
             blend,
+            derivatives,
         })
     }
 }
@@ -153,12 +169,13 @@ impl SampleStages for FrameTracer<'_> {
         let device = self.device();
         let shading = &picture.shading;
         let rounds = Rounds::new(shading);
+        let antialiases = shading.specular_variances.is_some();
         let mut fields = Vec::new();
         for field in &shading.fields {
             let tracer = self.uploaded(field.geometry).ok_or(Unstaged::Room)?;
             // Nothing to hit: no stage.
             if let Some(uploaded) = tracer {
-                fields.push(Field::new(device, field, uploaded)?);
+                fields.push(Field::new(device, field, uploaded, antialiases)?);
             }
         }
         let kind = shading.integrator.kind;
@@ -167,10 +184,11 @@ impl SampleStages for FrameTracer<'_> {
             IntegratorKind::Shaded | IntegratorKind::Ao | IntegratorKind::Path => 0,
         };
         let shape = Shape {
-            capacity: wave::capacity(device, branches).ok_or(Unstaged::Room)?,
+            capacity: wave::capacity(device, branches, antialiases).ok_or(Unstaged::Room)?,
             light_walks: shading.light_walks,
             branches,
             varies: fields.iter().any(|field: &Field<'_>| field.blend.is_some()),
+            antialiases,
         };
         let picture = PictureRecord::new(picture);
         let bytes: &[u8] = bytemuck::cast_slice(&picture.words);

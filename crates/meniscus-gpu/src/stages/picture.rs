@@ -117,7 +117,8 @@ impl PictureRecord {
         record.0.extend([words.len() as u32, way.len() as u32]);
         words.extend(way.iter().flat_map(Piece::words));
         record.0.extend(shading.cuts);
-        record.0.extend([0; 2]);
+        let variances = shading.specular_variances.unwrap_or_default();
+        record.0.extend(variances.map(bits));
         debug_assert_eq!(
             record.0.len(),
             PICTURE_BYTES as usize / 4,

@@ -1,6 +1,6 @@
 //! The stages' pipelines, compiled when they are first needed and kept with the device.
 
-use super::blend::BlendPrograms;
+use super::field_stage::FieldPrograms;
 use super::sources::StageModule;
 use crate::device::Device;
 use crate::stage::{Access, Bindings};
@@ -42,7 +42,7 @@ pub(crate) struct Common {
 pub(crate) struct StagePrograms {
     common: OnceLock<Common>,
     integrators: Mutex<HashMap<IntegratorKind, Arc<wgpu::ComputePipeline>>>,
-    pub(super) blends: BlendPrograms,
+    pub(super) fields: FieldPrograms,
 }
 
 fn compiled(device: &wgpu::Device, module: StageModule) -> wgpu::ShaderModule {

@@ -1,6 +1,6 @@
 //! The stages' shaders, put together from files that are named as their CPU twins.
 
-use super::blend::FIRST_CHUNK;
+use super::field_stage::FIRST_CHUNK;
 use crate::shader::{NONE, ShaderKind, WORKGROUP, constants, field_parts, params_at};
 use meniscus::render::STRIP_ROWS;
 use meniscus::scene::IntegratorKind;
@@ -30,8 +30,10 @@ const COMMON: [&str; 4] = [
     include_str!("../shaders/shade/asking.wgsl"),
 ];
 
-const BEGIN: [&str; 3] = [
+const BEGIN: [&str; 5] = [
     include_str!("../shaders/math/cubics.wgsl"),
+    include_str!("../shaders/math/level_set.wgsl"),
+    include_str!("../shaders/math/differential.wgsl"),
     include_str!("../shaders/scene/camera.wgsl"),
     include_str!("../shaders/shade/begin.wgsl"),
 ];
@@ -59,6 +61,15 @@ const SHADING: [&str; 8] = [
     include_str!("../shaders/shade/end.wgsl"),
 ];
 
+/// What those have that widen highlights.
+const WIDENING: [&str; 5] = [
+    include_str!("../shaders/math/cubics.wgsl"),
+    include_str!("../shaders/frame/way.wgsl"),
+    include_str!("../shaders/math/level_set.wgsl"),
+    include_str!("../shaders/math/differential.wgsl"),
+    include_str!("../shaders/shade/antialias.wgsl"),
+];
+
 /// What those have that scatter rays.
 const SCATTERING: [&str; 14] = [
     include_str!("../shaders/shade/light/drawn.wgsl"),
@@ -77,16 +88,28 @@ const SCATTERING: [&str; 14] = [
     include_str!("../shaders/shade/heard.wgsl"),
 ];
 
-/// What the stage has that blends attributes, and its parameters' binding.
-const ATTRIBUTES: [&str; 6] = [
+/// What stages have that look at a field's particles at a point, and their parameters' binding.
+const AT_POINT: [&str; 4] = [
     include_str!("../shaders/math/cubics.wgsl"),
     include_str!("../shaders/frame/way.wgsl"),
-    include_str!("../shaders/shade/light/drawn.wgsl"),
-    include_str!("../shaders/shade/medium.wgsl"),
     include_str!("../shaders/intersect/place.wgsl"),
-    include_str!("../shaders/shade/attributes.wgsl"),
+    include_str!("../shaders/field/at_point.wgsl"),
 ];
 const PARAMS: u32 = 12;
+
+/// What the stage has that blends attributes.
+const ATTRIBUTES: [&str; 3] = [
+    include_str!("../shaders/shade/light/drawn.wgsl"),
+    include_str!("../shaders/shade/medium.wgsl"),
+    include_str!("../shaders/shade/attributes.wgsl"),
+];
+
+/// What the stage has that takes a field's derivatives.
+const DERIVATIVES: [&str; 3] = [
+    include_str!("../shaders/math/level_set.wgsl"),
+    include_str!("../shaders/math/differential.wgsl"),
+    include_str!("../shaders/field/derivatives.wgsl"),
+];
 
 const SHADED: [&str; 2] = [
     include_str!("../shaders/shade/gloss.wgsl"),
@@ -113,14 +136,18 @@ impl StageModule {
         }
     }
 
-    fn parts(self) -> [&'static [&'static str]; 3] {
+    fn parts(self) -> Vec<&'static [&'static str]> {
         match self {
-            Self::Begin => [&[], &[], &BEGIN],
-            Self::Surfaces => [&[], &[], &SURFACES],
-            Self::Integrator(IntegratorKind::Shaded) => [&SHADING, &[], &SHADED],
-            Self::Integrator(IntegratorKind::Ao) => [&SHADING, &[], &AO],
-            Self::Integrator(IntegratorKind::Whitted) => [&SHADING, &SCATTERING, &WHITTED],
-            Self::Integrator(IntegratorKind::Path) => [&SHADING, &SCATTERING, &PATH],
+            Self::Begin => vec![&BEGIN],
+            Self::Surfaces => vec![&SURFACES],
+            Self::Integrator(IntegratorKind::Shaded) => vec![&SHADING, &WIDENING, &SHADED],
+            Self::Integrator(IntegratorKind::Ao) => vec![&SHADING, &AO],
+            Self::Integrator(IntegratorKind::Whitted) => {
+                vec![&SHADING, &WIDENING, &SCATTERING, &WHITTED]
+            }
+            Self::Integrator(IntegratorKind::Path) => {
+                vec![&SHADING, &WIDENING, &SCATTERING, &PATH]
+            }
         }
     }
 
@@ -145,18 +172,44 @@ fn numbers() -> String {
     ])
 }
 
-/// The whole text of the stage that blends `columns` numbers of a field's particles.
-pub fn attribute_sources(kind: &ShaderKind, columns: u32) -> String {
-    let own = constants([
-        ("STACK", kind.stack),
-        ("COLUMNS", columns),
-        ("MAP_ENTRIES", MAP_ENTRIES),
-        ("NO_NUMBER", NO_NUMBER),
-    ]);
-    let field = field_parts(kind, FIRST_CHUNK);
-    let texts = COMMON.iter().chain(&SHADING).chain(&ATTRIBUTES);
-    let texts: Vec<&str> = (field.iter().map(String::as_str))
-        .chain(texts.copied())
-        .collect();
-    numbers() + &own + &params_at(PARAMS) + &texts.join("\n")
+/// A stage that looks at a field's particles where rays hit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum FieldStage {
+    /// Blends so many numbers of each particle.
+    Attributes(u32),
+    /// Takes the field's derivatives.
+    Derivatives,
+}
+
+impl FieldStage {
+    /// Its entry point.
+    pub fn entry_point(self) -> &'static str {
+        match self {
+            Self::Attributes(_) => "attributes",
+            Self::Derivatives => "derivatives",
+        }
+    }
+
+    /// Its whole text for a kind of field.
+    pub fn sources(self, kind: &ShaderKind) -> String {
+        let own = constants([("STACK", kind.stack)]);
+        let (own, parts): (String, [&[&str]; 2]) = match self {
+            Self::Attributes(columns) => {
+                let more = constants([
+                    ("COLUMNS", columns),
+                    ("MAP_ENTRIES", MAP_ENTRIES),
+                    ("NO_NUMBER", NO_NUMBER),
+                ]);
+                (own + &more, [&SHADING, &ATTRIBUTES])
+            }
+            Self::Derivatives => (own, [&DERIVATIVES, &[]]),
+        };
+        let field = field_parts(kind, FIRST_CHUNK);
+        let texts = COMMON.iter().chain(&AT_POINT);
+        let texts = texts.chain(parts.into_iter().flatten());
+        let texts: Vec<&str> = (field.iter().map(String::as_str))
+            .chain(texts.copied())
+            .collect();
+        numbers() + &own + &params_at(PARAMS) + &texts.join("\n")
+    }
 }

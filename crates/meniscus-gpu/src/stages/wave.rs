@@ -27,6 +27,10 @@ const OWNER_BYTES: u64 = 12;
 const HIT_BYTES: u64 = 32;
 /// Of `shaders/shade/varying.wgsl`.
 const LOOK_BYTES: u64 = 48;
+/// Of `shaders/math/differential.wgsl`, of a sample and of each branch that waits, and of
+/// `shaders/math/level_set.wgsl`.
+const DIFFERENTIAL_BYTES: u64 = 112;
+const LEVEL_SET_BYTES: u64 = 80;
 /// Bytes of a branch of `whitted` (`shaders/shade/integrator/whitted.wgsl`), and most that wait per sample.
 const BRANCH_BYTES: u64 = 96;
 const MOST_BRANCHES: u64 = 8;
@@ -64,7 +68,9 @@ pub(crate) struct Wave {
     group: wgpu::BindGroup,
     /// By field: about first surfaces, and about lights.
     asked: Vec<[Asked; 2]>,
-    /// Of the fields whose looks follow attributes: the stage and its buffers.
+    /// Of the fields where highlights are widened: the stage that takes derivatives, and its buffers.
+    derivatives: Vec<(wgpu::ComputePipeline, wgpu::BindGroup)>,
+    /// The same of those whose looks follow attributes.
     blends: Vec<(wgpu::ComputePipeline, wgpu::BindGroup)>,
     capacity: u64,
 }
@@ -80,6 +86,8 @@ pub(crate) struct Shape {
     pub(crate) branches: u64,
     /// Whether looks follow attributes.
     pub(crate) varies: bool,
+    /// Whether highlights are widened.
+    pub(crate) antialiases: bool,
 }
 
 /// Branches that wait in a tree as deep as this.
@@ -88,18 +96,21 @@ pub(crate) fn branches(depth: u32) -> u64 {
 }
 
 /// Samples that a device has room for at a time; `None` where it binds too few buffers.
-pub(crate) fn capacity(device: &Device, branches: u64) -> Option<u64> {
+pub(crate) fn capacity(device: &Device, branches: u64, antialiases: bool) -> Option<u64> {
     if device.limits.max_storage_buffers_per_shader_stage < STAGE_BUFFERS {
         return None;
     }
     let largest = device.largest_binding();
-    let met = (MET_BLOB_BYTES * u64::from(CAPACITIES[0])).max(branches * BRANCH_BYTES);
+    let differentials = u64::from(antialiases) * (1 + branches) * DIFFERENTIAL_BYTES;
+    let per_sample = (MET_BLOB_BYTES * u64::from(CAPACITIES[0]))
+        .max(branches * BRANCH_BYTES)
+        .max(differentials);
     let most = if device.is_software() {
         MOST_ON_SOFTWARE
     } else {
         MOST_SAMPLES
     };
-    Some((largest / met).min(most) / u64::from(WORKGROUP) * u64::from(WORKGROUP))
+    Some((largest / per_sample).min(most) / u64::from(WORKGROUP) * u64::from(WORKGROUP))
 }
 
 impl Wave {
@@ -116,8 +127,13 @@ impl Wave {
             light_walks,
             branches,
             varies,
+            antialiases,
         } = shape;
         let looks = if varies { 2 * capacity } else { 1 };
+        let [differentials, level_sets] = match antialiases {
+            true => [capacity * (1 + branches), capacity],
+            false => [1; 2],
+        };
         let met = capacity * u64::from(CAPACITIES[0]);
         let per_sample = STATE_BYTES
             + 2 * (QUESTION_BYTES + ANSWER_BYTES + SEEN_BYTES)
@@ -126,6 +142,7 @@ impl Wave {
             + HIT_BYTES
             + branches * BRANCH_BYTES;
         let bytes = capacity * per_sample + met * (MET_BLOB_BYTES + 4) + looks * LOOK_BYTES;
+        let bytes = bytes + differentials * DIFFERENTIAL_BYTES + level_sets * LEVEL_SET_BYTES;
         let buffer = |label, size, usage| {
             device.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -159,14 +176,17 @@ impl Wave {
                 Usage::MAP_READ | Usage::COPY_DST,
             );
             let looks = storage("looks", looks * LOOK_BYTES);
-            let bound = |place: &wgpu::Buffer, rays: &wgpu::Buffer| {
+            let differentials = storage("differentials", differentials * DIFFERENTIAL_BYTES);
+            let level_sets = storage("level sets", level_sets * LEVEL_SET_BYTES);
+            let bound = |place: &wgpu::Buffer, [rays, owners, hits]: [&wgpu::Buffer; 3]| {
                 let buffers = [
                     &picture, words, &states, &questions, &answers, &seen, &counters, place, rays,
-                    &owners, &hits, &branches,
+                    owners, hits, &branches,
                 ];
                 common.bindings.group(&device.device, buffers)
             };
             let mut blends = Vec::new();
+            let mut derivatives = Vec::new();
             let ask = |field: &Field<'_>, (kind, question)| {
                 let uploaded = field.uploaded;
                 let place = uniform("place", PLACE_BYTES);
@@ -180,7 +200,7 @@ impl Wave {
                 let buffers = [&params, &rays, &hits, &lists[0], &lists[1]];
                 Asked {
                     question,
-                    group: bound(&place, &rays),
+                    group: bound(&place, [&rays, &owners, &hits]),
                     place,
                     trace: uploaded.bound(device, &program, buffers),
                     params,
@@ -194,8 +214,22 @@ impl Wave {
                     false => Question::Any,
                 };
                 let asked = [(0, Question::First), (1, for_lights)].map(|asked| ask(field, asked));
+                let [Asked { place, params, .. }, _] = &asked;
+                if let Some(program) = &field.derivatives {
+                    let own = [
+                        &picture,
+                        words,
+                        &questions,
+                        &answers,
+                        place,
+                        &differentials,
+                        &level_sets,
+                        params,
+                    ];
+                    let group = program.group(device, field.uploaded, own);
+                    derivatives.push((program.pipeline.clone(), group));
+                }
                 if let Some(blend) = &field.blend {
-                    let [Asked { place, params, .. }, _] = &asked;
                     let shared = [
                         &picture, words, &states, &questions, &answers, place, &looks, params,
                     ];
@@ -206,8 +240,12 @@ impl Wave {
             });
             Self {
                 asked: asked.collect(),
+                derivatives,
                 blends,
-                group: bound(&uniform("place", PLACE_BYTES), &looks),
+                group: bound(
+                    &uniform("place", PLACE_BYTES),
+                    [&looks, &differentials, &level_sets],
+                ),
                 clock: Clock::new(device),
                 picture,
                 seen,
@@ -293,7 +331,9 @@ impl Wave {
                 pass(&mut encoder, &common.merge, &asked.group);
             }
         }
-        for (pipeline, group) in &self.blends {
+        // What they look at are first surfaces.
+        let derivatives = self.derivatives.iter().filter(|_| asks[0]);
+        for (pipeline, group) in derivatives.chain(&self.blends) {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             dispatch(device, &mut pass, pipeline, group, groups);
         }

@@ -8,6 +8,7 @@ mod common;
 mod crossings;
 mod peel;
 mod pictures;
+mod staged_highlights;
 mod staged_meshes;
 mod staged_motion;
 mod stages;

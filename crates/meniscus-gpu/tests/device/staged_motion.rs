@@ -4,9 +4,9 @@
 use crate::common::device;
 use crate::stages::{BALLS, LAMPS, SURFACE, check, check_frame, frame_of, frame_with, with};
 use glam::{DAffine3, DMat3, DVec3};
-use meniscus::frame::{Geometry, Instance};
+use meniscus::frame::{Frame, Geometry, Instance};
 use meniscus::kernel::Kernel;
-use meniscus::scene::{Matrix, PlacementKey};
+use meniscus::scene::{Matrix, PlacementKey, Scene};
 use meniscus_testing::corpus;
 use meniscus_testing::turning::turning;
 
@@ -37,7 +37,7 @@ time = 1.0
 matrix = [[-0.4, 0, 0, 0.2], [0, 0, 0.4, 0.8], [0, 0.5, 0, 0.3]]
 ";
 /// A camera that flies by, turns and zooms.
-const FLIGHT: &str = "
+pub(crate) const FLIGHT: &str = "
 [motion]
 shutter = 0.5
 fps = 1
@@ -91,14 +91,24 @@ fn spheres_and_planes_stand_and_move_as_on_the_cpu() {
     let Some(device) = device("spheres_and_planes_stand_and_move_as_on_the_cpu") else {
         return;
     };
-    let motion = "[motion]\nshutter = 0.5\nfps = 1\n";
-    let plane = "[[plane]]\npoint = [0, -0.3, 0]\n";
-    let text = with(
-        "type = \"path\"",
-        4,
-        &[motion, SURFACE, LAMPS, BALLS, plane],
-    );
-    let (scene, mut frame) = frame_of(&text, "mixed");
+    for (what, integrator) in [
+        ("solids that move", "type = \"path\""),
+        (
+            "their highlights",
+            "type = \"whitted\"\nspecular_antialiasing = true",
+        ),
+    ] {
+        let motion = "[motion]\nshutter = 0.5\nfps = 1\n";
+        let plane = "[[plane]]\npoint = [0, -0.3, 0]\n";
+        let text = with(integrator, 4, &[motion, SURFACE, LAMPS, BALLS, plane]);
+        let (scene, mut frame) = frame_of(&text, "mixed");
+        move_solids(&scene, &mut frame);
+        check_frame(device, what, &scene, &frame);
+    }
+}
+
+/// Gives spheres and planes places and ways.
+fn move_solids(scene: &Scene, frame: &mut Frame) {
     let shutter = scene.motion.shutter_secs();
     let key = |time: f64, angle: f64, stretch: DVec3, translation: DVec3| PlacementKey {
         time,
@@ -132,7 +142,6 @@ fn spheres_and_planes_stand_and_move_as_on_the_cpu() {
         moved += 1;
     }
     assert!(moved > 6, "{moved}");
-    check_frame(device, "solids that move", &scene, &frame);
 }
 
 #[test]

@@ -12,8 +12,8 @@ use meniscus::render::{
     Backend, CpuBackend, DeviceBackend, Progress, RenderSettings, RenderState, RenderStats, Staging,
 };
 use meniscus::scene::camera::Camera;
-use meniscus::scene::{Background, IntegratorKind, Scene};
-use meniscus::shade::frame_attributes;
+use meniscus::scene::{Background, IntegratorKind, Plane, Scene};
+use meniscus::shade::{MOST_SURFACES, Unstaged, frame_attributes};
 use meniscus_gpu::{Device, FrameTracer, Takeover};
 use meniscus_testing::corpus;
 use meniscus_testing::image::Picture;
@@ -415,7 +415,7 @@ fn the_processor_shades_what_stages_do_not_know() {
     };
     let mut scene = frame_of(&with("", 1, &[SURFACE]), "pool").0;
     scene.integrator.kind = IntegratorKind::Shaded;
-    scene.integrator.specular_antialiasing = true;
+    scene.planes = vec![Plane::default(); MOST_SURFACES];
     let field = corpus::scene("pool", Kernel::Sextic, 200).field;
     let frame = Frame::build(&scene, vec![field], &FrameSettings::default()).expect("sound");
     let tracer = FrameTracer::upload(device, &frame, Takeover::Never).expect("the frame fits");
@@ -427,7 +427,7 @@ fn the_processor_shades_what_stages_do_not_know() {
     let (_, stats) = rendered(&backend, &scene, &frame);
     match stats.staging {
         Some(Staging::Processor(why)) => {
-            assert_eq!(why.to_string(), "specular_antialiasing is on");
+            assert_eq!(why, Unstaged::ManySurfaces);
         }
         staging => panic!("{staging:?}"),
     }

@@ -54,6 +54,12 @@ impl SpecularFilter {
         })
     }
 
+    /// Variances of the film's x or y, in square pixels, and of time, in square seconds.
+    pub(super) fn of_pixel_and_time(&self) -> [f64; 2] {
+        let [pixel, _, time] = self.variances;
+        [pixel, time]
+    }
+
     /// The spread of normals around `normal`, seen along `direction`, for hits that change like this;
     /// `None` where they are alike. The slopes' covariance counts twice in squared widths (Kaplanyan et
     /// al. 2016, eq. 14).

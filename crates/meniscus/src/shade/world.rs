@@ -106,7 +106,7 @@ pub(super) struct World<'a> {
     /// If all attributes are wanted at every first hit.
     attributes: Option<AttributeLayout>,
     /// Widens highlights.
-    filter: Option<SpecularFilter>,
+    pub(super) filter: Option<SpecularFilter>,
     /// Whether it widens perfect mirrors, too: only where scattered rays are drawn.
     widens_mirrors: bool,
 }

@@ -29,3 +29,19 @@ fn blob_turned_back(at: u32, y: vec3f) -> vec3f {
     let twice = x[0] * once.x + x[1] * once.y + x[2] * once.z;
     return (y - once) + 0.5 * twice;
 }
+
+// The gradient of the velocity of what is about a blob, −N⁻¹·N′ with N′ = tL² − L.
+fn blob_gradient(at: u32) -> mat3x3f {
+    let secs = params.middle_secs + ray.since_middle_secs;
+    let l = transpose(mat3x3f(
+        bitcast<vec3f>(heap(at + TURN_AT).xyz),
+        bitcast<vec3f>(heap(at + TURN_AT + 1u).xyz),
+        bitcast<vec3f>(heap(at + TURN_AT + 2u).xyz),
+    ));
+    let squared = l * l;
+    let still = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
+    let n = still - l * secs + squared * (0.5 * secs * secs);
+    // Rows of the inverse, times the determinant.
+    let back = transpose(mat3x3f(cross(n[1], n[2]), cross(n[2], n[0]), cross(n[0], n[1])));
+    return back * (l - squared * secs) * (1.0 / determinant(n));
+}

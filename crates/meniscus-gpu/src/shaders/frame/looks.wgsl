@@ -64,6 +64,9 @@ struct Picture {
     // Planes that cut: (normal, height of the origin over it), (–, –, –, low part of the height).
     cuts_at: u32,
     cut_count: u32,
+    // What a sample stands for where highlights are widened: twin of SpecularFilter. 0: they are not.
+    pixel_variance: f32,
+    time_variance: f32,
 }
 
 @group(0) @binding(0) var<uniform> picture: Picture;

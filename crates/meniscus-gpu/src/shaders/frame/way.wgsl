@@ -91,3 +91,40 @@ fn object_ray(placement: Placement, question: Question) -> ObjectRay {
 fn in_object(ray: ObjectRay, t: f32) -> f32 {
     return select(t / ray.unit, t, is_far(t));
 }
+
+// A point from a placement's pivot.
+fn point_from_pivot(placement: Placement, answer: Answer) -> vec3f {
+    let moved = answer.position - placement.pivot.high;
+    return moved + (answer.position_low - placement.pivot.low);
+}
+
+// How a placement changes per second.
+struct PlacementRate {
+    pivot: vec3f,
+    linear: mat3x3f,
+}
+
+fn placement_rate(way: vec2u, time: f32) -> PlacementRate {
+    if picture.shutter_secs <= 0.0 {
+        return PlacementRate(vec3f(0.0), mat3x3f());
+    }
+    let part = clamp((time - picture.shutter_open) / picture.shutter_secs, 0.0, 1.0);
+    let there = piece_there(way.x, way.y, WAY_VECTORS, part);
+    let rate = 1.0 / picture.shutter_secs;
+    let x = vector_change(there, 1u);
+    let y = vector_change(there, 2u);
+    let z = vector_change(there, 3u);
+    return PlacementRate(vector_change(there, 0u) * rate, mat3x3f(x, y, z) * rate);
+}
+
+// How a point that stays in the world moves in the object, per second.
+fn drift_of(placement: Placement, rate: PlacementRate, from_pivot: vec3f) -> vec3f {
+    return rate.linear * from_pivot - placement.linear * rate.pivot;
+}
+
+// The covector in an object that is a normal of the world there.
+fn object_normal(placement: Placement, normal: vec3f) -> vec3f {
+    let m = placement.linear;
+    let back = mat3x3f(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
+    return back * normal / dot(m[0], cross(m[1], m[2]));
+}

@@ -9,6 +9,11 @@ fn kernel_slope(g: f32) -> f32 {
     return g * g * g * 4.0;
 }
 
+// d²k/dg².
+fn kernel_curvature(g: f32) -> f32 {
+    return g * g * 12.0;
+}
+
 // −k″(s) ≤ β times this along g(s) = g₀ − β(s − c)².
 fn kernel_concave_bound(g: f32) -> f32 {
     return g * g * g * 8.0;

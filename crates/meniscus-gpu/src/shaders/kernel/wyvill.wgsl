@@ -9,6 +9,11 @@ fn kernel_slope(g: f32) -> f32 {
     return g * (g * (12.0 / 9.0) + 10.0 / 9.0);
 }
 
+// d²k/dg².
+fn kernel_curvature(g: f32) -> f32 {
+    return g * (24.0 / 9.0) + 10.0 / 9.0;
+}
+
 // −k″(s) ≤ β times this along g(s) = g₀ − β(s − c)².
 fn kernel_concave_bound(g: f32) -> f32 {
     return g * (g * (24.0 / 9.0) + 20.0 / 9.0);

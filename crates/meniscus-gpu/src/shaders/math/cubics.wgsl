@@ -36,3 +36,11 @@ fn vector_there(there: PieceThere, vector: u32) -> TwoVec3 {
     let sum = two_sum(words[at].xyz, way);
     return TwoVec3(sum.high, sum.low + words[at + 1u].xyz);
 }
+
+// How one of its vectors changes by the part of the time that is over.
+fn vector_change(there: PieceThere, vector: u32) -> vec3f {
+    let at = there.at + 1u + vector * CUBIC_WORDS;
+    let u = there.over;
+    let slope = words[at + 2u].xyz + (2.0 * words[at + 3u].xyz + 3.0 * words[at + 4u].xyz * u) * u;
+    return slope * words[there.at].y;
+}

@@ -35,6 +35,39 @@ fn view_at(part: f32) -> View {
     );
 }
 
+// A place on the film at distance 1, from its middle, by right and above.
+fn film_place(view: View, pixel: vec2u, offset: vec2f) -> vec2f {
+    let half_size = vec2f(picture.half_width, picture.half_height);
+    return (vec2f(pixel) + 0.5 - half_size + offset) * vec2f(1.0, -1.0) * view.pixel_side.x;
+}
+
+// The change of a unit direction along (right, above, 1) by a step of what it is made of.
+fn direction_change(direction: vec3f, size: f32, step: vec3f) -> vec3f {
+    return (step - direction * dot(direction, step)) / size;
+}
+
+// How the eye's rays change from pixel to pixel and per second.
+fn eye_differential(view: View, pixel: vec2u, offset: vec2f, part: f32) -> Differential {
+    let at = film_place(view, pixel, offset);
+    let size = sqrt(1.0 + dot(at, at));
+    let towards = view.forward.high + view.right.high * at.x + view.above.high * at.y;
+    let direction = towards / size;
+    var eye_rate = vec3f(0.0);
+    var rate = vec3f(0.0);
+    if picture.camera_pieces > 0u && picture.shutter_secs > 0.0 {
+        let there = piece_there(picture.camera_at, picture.camera_pieces, CAMERA_VECTORS, part);
+        let growth = vector_change(there, 4u).x / view.pixel_side.x;
+        let turned = vector_change(there, 1u) + vector_change(there, 2u) * at.x + vector_change(there, 3u) * at.y;
+        let grown = (view.right.high * at.x + view.above.high * at.y) * growth;
+        rate = (turned + grown) / picture.shutter_secs;
+        eye_rate = vector_change(there, 0u) / picture.shutter_secs;
+    }
+    let x = direction_change(direction, size, view.right.high * view.pixel_side.x);
+    let y = direction_change(direction, size, view.above.high * -view.pixel_side.x);
+    let t = direction_change(direction, size, rate);
+    return Differential(mat3x3f(vec3f(0.0), vec3f(0.0), eye_rate), mat3x3f(x, y, t), 1u);
+}
+
 fn direction_through(view: View, pixel: vec2u, offset: vec2f) -> TwoVec3 {
     let half_size = vec2f(picture.half_width, picture.half_height);
     let from_middle = vec3f((vec2f(pixel) + 0.5 - half_size) * vec2f(1.0, -1.0), 0.0);

@@ -7,81 +7,27 @@
 
 // A sum of weights this much smaller than the sum of their sizes has too few digits.
 const CANCELLED: f32 = 1e-4;
-// By how much boxes are wider, for rounding, in coordinates.
-const BOX_ROUNDING: f32 = 1e-6;
 // Points along a way through a medium at which its absorption is looked at.
 const ABSORPTION_STEPS: u32 = 8u;
 
-var<private> pending: array<u32, STACK>;
 // Of each column: sums of weighted numbers and weights, then the same by the sizes of the weights.
 var<private> parts: array<vec4f, COLUMNS>;
-var<private> is_sure: bool;
 
-fn add_leaf(reference: u32, point: TwoVec3) {
-    let first = params.leaves_at + (reference & ~LEAF) * LEAF_WORDS;
-    let header = heap(first);
-    let from_center = two_sum(point.high, -bitcast<vec3f>(header.xyz));
-    let local = from_center.high + (from_center.low + point.low);
-    for (var lane = 0u; lane < header.w; lane++) {
-        let at = first + LEAF_HEADER_WORDS + lane * BLOB_WORDS;
-        let head = heap(at);
-        let y = blob_transform(at, head, local - blob_center(at, head));
-        let g = 1.0 - dot(y, y);
-        if !(g > 0.0) {
-            continue;
-        }
-        let weight = blob_weight(at) * kernel_of_g(vec4f(g)).x;
-        let numbers = blob_index(at) * COLUMNS;
-        for (var column = 0u; column < COLUMNS; column++) {
-            let bits = columns[numbers + column];
-            if bits != NO_NUMBER {
-                let value = bitcast<f32>(bits);
-                parts[column] += vec4f(weight * value, weight, abs(weight) * value, abs(weight));
-            }
+fn add_blob(at: u32, head: vec4u, d: vec3f, y: vec3f, g: f32) {
+    let weight = blob_weight(at) * kernel_of_g(vec4f(g)).x;
+    let numbers = blob_index(at) * COLUMNS;
+    for (var column = 0u; column < COLUMNS; column++) {
+        let bits = columns[numbers + column];
+        if bits != NO_NUMBER {
+            let value = bitcast<f32>(bits);
+            parts[column] += vec4f(weight * value, weight, abs(weight) * value, abs(weight));
         }
     }
 }
 
-// Sums up all blobs that reach a local point.
-fn gather_parts(point: TwoVec3) {
+fn forget_parts() {
     for (var column = 0u; column < COLUMNS; column++) {
         parts[column] = vec4f(0.0);
-    }
-    let margin = BOX_ROUNDING * size_of(point.high);
-    let lower = point.high - margin;
-    let upper = point.high + margin;
-    pending[0] = 0u;
-    var height = 1u;
-    while height > 0u {
-        height--;
-        let reference = pending[height];
-        if (reference & LEAF) != 0u {
-            add_leaf(reference, point);
-            continue;
-        }
-        let node = reference * NODE_WORDS;
-        for (var half = 0u; half < 2u; half++) {
-            let children = heap(node + CHILDREN_AT + half);
-            if children.x == NONE {
-                break;
-            }
-            var holds = vec4<bool>(true);
-            for (var axis = 0u; axis < 3u; axis++) {
-                holds &= bounds_at(node, axis * 2u + half) <= vec4f(upper[axis]);
-                holds &= bounds_at(node, axis * 2u + 6u + half) >= vec4f(lower[axis]);
-            }
-            for (var slot = 0u; slot < 4u; slot++) {
-                if children[slot] == NONE || !holds[slot] {
-                    continue;
-                }
-                if height == STACK {
-                    is_sure = false;
-                    return;
-                }
-                pending[height] = children[slot];
-                height++;
-            }
-        }
     }
 }
 
@@ -141,21 +87,10 @@ fn coefficients(sources: u32) -> vec3f {
     return -log(clamp(left, vec3f(1e-6), vec3f(1.0))) / depth.w * scale;
 }
 
-// Where the field stands at the question's time, if it has a way.
-var<private> placement: Placement;
-
-// A point in the field's space, from one in the stages'.
-fn in_field(high: vec3f, low: vec3f) -> TwoVec3 {
-    if way_of(field_place.surface).y > 0u {
-        return point_in_object(placement, TwoVec3(high, low));
-    }
-    let moved = two_sum(high, -field_place.offset);
-    return two_sum(moved.high, moved.low + (low - field_place.offset_low));
-}
-
 fn look_at(place: u32, sources: u32) {
     let answer = answers[place];
-    gather_parts(in_field(answer.position, answer.position_low));
+    forget_parts();
+    gather(in_field(answer.position, answer.position_low));
     let material = material_of(field_place.surface);
     var look = Look(material.color, material.roughness, material.absorption, vec3f(0.0));
     look.color = color_of(words[sources].xy, words[sources + 1u], material.color);
@@ -180,7 +115,8 @@ fn look_along(place: u32, sources: u32, distance: f32) {
         for (var step = 0u; step < ABSORPTION_STEPS; step++) {
             let along = distance * (f32(step) + 0.5) / f32(ABSORPTION_STEPS);
             let point = two_sum(question.origin, question.direction * along);
-            gather_parts(in_field(point.high, point.low + question.origin_low));
+            forget_parts();
+            gather(in_field(point.high, point.low + question.origin_low));
             sum += coefficients(sources);
         }
     }
@@ -194,19 +130,9 @@ fn look(place: u32, media: u32, meets_lamps: bool) {
     if (question.flags & IS_ASKED) == 0u || answer.is_in_doubt != 0u {
         return;
     }
-    let time = clamp(question.time, field_place.open, field_place.close);
-    ray.since_middle_secs = time - 0.5 * (field_place.open + field_place.close);
-    ray.elapsed = 0.0;
-    if field_place.close > field_place.open {
-        ray.elapsed = (time - field_place.open) / (field_place.close - field_place.open);
-    }
-    let way = way_of(field_place.surface);
-    if way.y > 0u {
-        placement = placement_at(way, question.time);
-    }
+    stand_at(question.time);
     let sources = material_word(field_place.surface) + 5u;
     let own = material_of(field_place.surface);
-    is_sure = true;
     if answer.surface == field_place.surface {
         look_at(place, sources);
     }
@@ -218,12 +144,7 @@ fn look(place: u32, media: u32, meets_lamps: bool) {
         }
         look_along(place, sources, end);
     }
-    // As in intersect/hit.wgsl.
-    var rounds = 0u;
-    for (var i = 0u; i < params.capacity; i++) {
-        rounds++;
-    }
-    if !is_sure || rounds != params.capacity {
+    if !is_sure || !is_whole() {
         answers[place].is_in_doubt = 1u;
     }
 }

@@ -58,6 +58,9 @@ fn begin(
         NONE, direction.low, time,
     );
     questions[lights_at() + index].flags = 0u;
+    if antialiases() {
+        differentials[index] = eye_differential(view, pixel, offset, part);
+    }
     states[index] = State(
         sampler.seed, sampler.index, 0u, vec3f(0.0), picture.media, vec3f(1.0), 0u, vec3f(0.0), 0u,
         vec3f(0.0), FAR, vec3u(0u), 0u, 0.0, 0u,

@@ -66,15 +66,40 @@ struct Point {
     x: vec3f,
     y: vec3f,
     normal: vec3f,
+    // How it changes, where rays carry differentials.
+    changes: Changes,
 }
 
-fn point_of(answer: Answer, material: Material, direction: vec3f, least: f32, indices: vec2f) -> Point {
+// The answer to the first question of sample `index`.
+fn point_of(index: u32, answer: Answer, material: Material, least: f32, indices: vec2f) -> Point {
+    let direction = questions[index].direction;
     // Bodies refract by the face, so that what goes in comes out.
     let normal = viewed_normal(answer, direction, material.is_medium);
-    let axes = tangents(normal);
+    var axes = tangents(normal);
+    var bsdf = bsdf_of(material, least, indices);
+    let changes = changes_at(index, answer, questions[index]);
+    let spread = spread_of(normal, direction, changes);
+    if spread.is_there {
+        axes = array(spread.x, spread.y);
+        bsdf = widened(bsdf, spread.added);
+    }
     var view = -vec3f(dot(axes[0], direction), dot(axes[1], direction), dot(normal, direction));
     view.z = max(view.z, 1e-5);
-    return Point(bsdf_of(material, least, indices), normalize(view), axes[0], axes[1], normal);
+    return Point(bsdf, normalize(view), axes[0], axes[1], normal, changes);
+}
+
+// The differential behind the point of a ray that is mirrored or refracted there: twin of
+// Interaction::differential.
+fn differential_behind(index: u32, point: Point, is_refracted: bool, eta: f32) -> Differential {
+    let given = differential_of(index);
+    let direction = questions[index].direction;
+    if !point.changes.is_there {
+        return no_differential();
+    }
+    if is_refracted {
+        return refracted_differential(given, direction, point.normal, eta, point.changes.hits);
+    }
+    return reflected_differential(given, direction, point.normal, point.changes.hits);
 }
 
 fn to_world(point: Point, local: vec3f) -> vec3f {

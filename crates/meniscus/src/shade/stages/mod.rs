@@ -12,6 +12,7 @@ pub use varying::{MAP_ENTRIES, MOST_COLUMNS, NO_NUMBER, StagedColumns};
 pub use words::{ALBEDO_ENTRIES, AMBIENT_WORDS, EMITTER_WORDS, MATERIAL_WORDS};
 
 use super::Shader;
+use super::antialias::SpecularFilter;
 use super::integrator::Gathered;
 use super::rays::{Seen, ShadeScratch};
 use crate::frame::Light;
@@ -67,6 +68,9 @@ pub struct StagedShading {
     pub medium_count: u32,
     /// Whether light may go straight through clear surfaces on its way to others.
     pub light_walks: bool,
+    /// Where highlights are widened: the variances of what one sample stands for, of the film's x or y in
+    /// square pixels, and of time in square seconds.
+    pub specular_variances: Option<[f64; 2]>,
     /// How light is gathered.
     pub integrator: IntegratorSettings,
     /// Rays of `ao` per sample.
@@ -126,6 +130,9 @@ impl Shader<'_> {
                 .fold(0, |stack, &surface| stack << 4 | (surface + 1)),
             medium_count: self.world.medium_count as u32,
             light_walks: self.light_walks(),
+            specular_variances: (self.world.filter.as_ref())
+                .filter(|_| self.settings.integrator.kind != IntegratorKind::Ao)
+                .map(SpecularFilter::of_pixel_and_time),
             integrator: self.settings.integrator.clone(),
             ao_samples: self.settings.integrator.ao_samples(self.settings.spp),
         })

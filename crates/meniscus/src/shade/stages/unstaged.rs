@@ -16,9 +16,6 @@ pub enum Unstaged {
     /// Looks that follow more numbers of particles than stages keep.
     #[error("a surface's looks follow more than {MOST_COLUMNS} numbers of its particles")]
     Attributes,
-    /// Wider highlights.
-    #[error("specular_antialiasing is on")]
-    SpecularAntialiasing,
     /// More surfaces than a device's stack of media can name.
     #[error("there are more than {MOST_SURFACES} surfaces")]
     ManySurfaces,
@@ -40,12 +37,7 @@ impl Shader<'_> {
     /// Whether stages know all that there is.
     pub(super) fn check_stages(&self) -> Result<(), Unstaged> {
         let frame = self.world.frame;
-        let integrator = &self.settings.integrator;
         let found = [
-            (
-                integrator.specular_antialiasing,
-                Unstaged::SpecularAntialiasing,
-            ),
             (
                 frame.instances.len() > MOST_SURFACES,
                 Unstaged::ManySurfaces,

@@ -15,8 +15,8 @@ struct Bsdf {
     kind: u32,
     color: vec3f,
     roughness: f32,
-    // Of facets; 0 where there are none.
-    width: f32,
+    // Of facets, along x and y; 0 where there are none.
+    widths: vec2f,
     translucency: f32,
     // Of a coat.
     strength: f32,
@@ -73,9 +73,28 @@ fn bsdf_of(material: Material, least: f32, indices: vec2f) -> Bsdf {
         width = 0.0;
     }
     return Bsdf(
-        material.scattering, material.color, roughness, width, material.translucency, material.strength,
+        material.scattering, material.color, roughness, vec2f(width), material.translucency, material.strength,
         material.coat_ior, material.table, material.dense_table, eta,
     );
+}
+
+fn is_smooth(bsdf: Bsdf) -> bool {
+    return max(bsdf.widths.x, bsdf.widths.y) < SMOOTH;
+}
+
+// The highlight of a coat or metal, wider by `added` to the squares of its widths; others stay as they are.
+// What stays a mirror across is made just rough there.
+fn widened(bsdf: Bsdf, added: vec2f) -> Bsdf {
+    let has_highlight = bsdf.kind == CONDUCTOR || bsdf.kind == COATED;
+    if !has_highlight || (!WIDENS_MIRRORS && is_smooth(bsdf)) {
+        return bsdf;
+    }
+    var wider = bsdf;
+    let squares = min(bsdf.widths * bsdf.widths + added, vec2f(1.0));
+    let least = select(0.0, SMOOTH, sqrt(max(squares.x, squares.y)) >= SMOOTH);
+    wider.widths = max(sqrt(squares), vec2f(least));
+    wider.roughness = sqrt(sqrt(0.5 * (squares.x + squares.y)));
+    return wider;
 }
 
 // BSDF times |cos| of the light's angle, without what only one direction has.
@@ -117,8 +136,8 @@ fn bsdf_sample(bsdf: Bsdf, view: vec3f, choice: f32, u: vec2f) -> BsdfSample {
 fn is_spread(bsdf: Bsdf) -> bool {
     switch bsdf.kind {
         case DIFFUSE, FOAM: { return true; }
-        case CONDUCTOR, CLEAR: { return bsdf.width >= SMOOTH; }
-        case COATED: { return any(bsdf.color != vec3f(0.0)) || bsdf.width >= SMOOTH; }
+        case CONDUCTOR, CLEAR: { return !is_smooth(bsdf); }
+        case COATED: { return any(bsdf.color != vec3f(0.0)) || !is_smooth(bsdf); }
         default: { return false; }
     }
 }

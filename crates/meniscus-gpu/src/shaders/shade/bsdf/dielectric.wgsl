@@ -41,31 +41,31 @@ fn facet_of(bsdf: Bsdf, view: vec3f, light: vec3f) -> Facet {
 }
 
 fn dielectric_evaluate(bsdf: Bsdf, view: vec3f, light: vec3f) -> vec3f {
-    if bsdf.width < SMOOTH || light.z == 0.0 {
+    if is_smooth(bsdf) || light.z == 0.0 {
         return vec3f(0.0);
     }
     return vec3f(
-        dielectric_density(bsdf, view, light) * ggx_shadowing(bsdf.width, view, light)
+        dielectric_density(bsdf, view, light) * ggx_shadowing(bsdf.widths, view, light)
             * dielectric_scale(bsdf, view)
     );
 }
 
 fn dielectric_density(bsdf: Bsdf, view: vec3f, light: vec3f) -> f32 {
-    if bsdf.width < SMOOTH || light.z == 0.0 {
+    if is_smooth(bsdf) || light.z == 0.0 {
         return 0.0;
     }
     let facet = facet_of(bsdf, view, light);
     if !facet.is_there {
         return 0.0;
     }
-    return facet.part * ggx_visible(bsdf.width, view, facet.half) * facet.change;
+    return facet.part * ggx_visible(bsdf.widths, view, facet.half) * facet.change;
 }
 
 fn dielectric_sample(bsdf: Bsdf, view: vec3f, choice: f32, u: vec2f) -> BsdfSample {
-    let is_smooth = bsdf.width < SMOOTH;
+    let is_mirror = is_smooth(bsdf);
     var half = vec3f(0.0, 0.0, 1.0);
-    if !is_smooth {
-        half = ggx_sample(bsdf.width, view, u);
+    if !is_mirror {
+        half = ggx_sample(bsdf.widths, view, u);
     }
     let cosine = dot(view, half);
     let fresnel = dielectric_reflectance(clamp(cosine, 0.0, 1.0), bsdf.eta);
@@ -75,7 +75,7 @@ fn dielectric_sample(bsdf: Bsdf, view: vec3f, choice: f32, u: vec2f) -> BsdfSamp
         light = refracted(view, half, cosine, fresnel.y, bsdf.eta);
         scattering = REFRACTED;
     }
-    if is_smooth {
+    if is_mirror {
         return only_direction(normalize(light), vec3f(1.0), scattering);
     }
     if (light.z > 0.0) != (scattering == REFLECTED) || light.z == 0.0 {
@@ -86,6 +86,6 @@ fn dielectric_sample(bsdf: Bsdf, view: vec3f, choice: f32, u: vec2f) -> BsdfSamp
     if !(density > 0.0) {
         return no_direction();
     }
-    let weight = ggx_shadowing(bsdf.width, view, light) * dielectric_scale(bsdf, view);
+    let weight = ggx_shadowing(bsdf.widths, view, light) * dielectric_scale(bsdf, view);
     return BsdfSample(light, vec3f(weight), density, scattering, true);
 }

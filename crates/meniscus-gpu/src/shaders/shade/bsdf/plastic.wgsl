@@ -31,7 +31,7 @@ fn plastic_base(bsdf: Bsdf, view: vec3f, light: vec3f) -> vec3f {
 }
 
 fn plastic_facets(bsdf: Bsdf, view: vec3f, half: vec3f) -> f32 {
-    return ggx_visible(bsdf.width, view, half) / (4.0 * dot(view, half));
+    return ggx_visible(bsdf.widths, view, half) / (4.0 * dot(view, half));
 }
 
 fn plastic_evaluate(bsdf: Bsdf, view: vec3f, light: vec3f) -> vec3f {
@@ -39,12 +39,12 @@ fn plastic_evaluate(bsdf: Bsdf, view: vec3f, light: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let base = plastic_base(bsdf, view, light);
-    if bsdf.width < SMOOTH {
+    if is_smooth(bsdf) {
         return base;
     }
     let half = half_of(view, light);
     let coat = coat_facet(bsdf, dot(view, half)) * plastic_facets(bsdf, view, half)
-        * ggx_shadowing(bsdf.width, view, light);
+        * ggx_shadowing(bsdf.widths, view, light);
     return base + coat;
 }
 
@@ -54,7 +54,7 @@ fn plastic_density(bsdf: Bsdf, view: vec3f, light: vec3f) -> f32 {
     }
     let share = coat_share(bsdf, view);
     let base = (1.0 - share) * light.z * FRAC_1_PI;
-    if bsdf.width < SMOOTH {
+    if is_smooth(bsdf) {
         return base;
     }
     return base + share * plastic_facets(bsdf, view, half_of(view, light));
@@ -63,12 +63,12 @@ fn plastic_density(bsdf: Bsdf, view: vec3f, light: vec3f) -> f32 {
 fn plastic_sample(bsdf: Bsdf, view: vec3f, choice: f32, u: vec2f) -> BsdfSample {
     let share = coat_share(bsdf, view);
     let goes_to_coat = choice < share;
-    if goes_to_coat && bsdf.width < SMOOTH {
+    if goes_to_coat && is_smooth(bsdf) {
         return only_direction(mirrored(view), vec3f(coat_facet(bsdf, view.z) / share), REFLECTED);
     }
     var light = cosine_lobe(u);
     if goes_to_coat {
-        let half = ggx_sample(bsdf.width, view, u);
+        let half = ggx_sample(bsdf.widths, view, u);
         light = normalize(half * (2.0 * dot(view, half)) - view);
     }
     let density = plastic_density(bsdf, view, light);

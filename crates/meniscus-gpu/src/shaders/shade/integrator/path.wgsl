@@ -12,6 +12,7 @@ const MOST_SURVIVAL: f32 = 0.95;
 const BLURRED_ROUGHNESS: f32 = 0.5;
 const MAX_FALSE_BOUNDARIES: u32 = 256u;
 const MAX_SHEETS: u32 = 256u;
+const WIDENS_MIRRORS: bool = true;
 
 fn power_heuristic(density: f32, other: f32) -> f32 {
     if is_far(density) {
@@ -138,6 +139,15 @@ fn turn(
         case REFLECTED: { count(COUNT_REFLECTION); }
         default: { count(COUNT_REFRACTION); }
     }
+    // A lobe counts as a mirror, and what is spread over the hemisphere has no footprint.
+    if antialiases() {
+        var behind_it = no_differential();
+        if sample.scattering == REFLECTED || (sample.scattering == REFRACTED && point.bsdf.kind == CLEAR) {
+            let is_refracted = sample.scattering == REFRACTED;
+            behind_it = differential_behind(index, point, is_refracted, point.bsdf.eta);
+        }
+        differentials[index] = behind_it;
+    }
     questions[index] = leaving(answer, direction, FAR, on_viewers_side, questions[index].time);
     return true;
 }
@@ -162,6 +172,7 @@ fn meet_sheet(
     }
     (*state).throughput *= sample.weight;
     questions[index] = passed(questions[index], answer, FAR);
+    advance_differential(index, answer.t);
     (*state).sheets += 1u;
     count(COUNT_REFRACTION);
     return (*state).sheets <= MAX_SHEETS && any((*state).throughput > vec3f(0.0));
@@ -197,6 +208,7 @@ fn advance(index: u32, state: ptr<function, State>) -> bool {
         (*state).phase += 1u;
         (*state).media = contact.beyond;
         questions[index] = passed(question, answer, FAR);
+        advance_differential(index, answer.t);
         return (*state).phase <= MAX_FALSE_BOUNDARIES;
     }
     if !has(*state, HAS_FIRST) {
@@ -217,7 +229,7 @@ fn advance(index: u32, state: ptr<function, State>) -> bool {
     }
     let is_blurred = has(*state, IS_SPREAD) && picture.has_caustics == 0u;
     let indices = vec2f(ior_in((*state).media), ior_in(contact.beyond));
-    let point = point_of(answer, material, direction, select(0.0, BLURRED_ROUGHNESS, is_blurred), indices);
+    let point = point_of(index, answer, material, select(0.0, BLURRED_ROUGHNESS, is_blurred), indices);
     let first = 1u + ((*state).surfaces + (*state).sheets) * DRAWS;
     if material.scattering == SHEET {
         let sheet = sheet_at(answer, material, direction, (*state).media);

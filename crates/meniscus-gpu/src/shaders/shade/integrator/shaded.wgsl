@@ -63,7 +63,16 @@ fn shade(
                 let half = normalize(light.towards + towards_eye);
                 let nh = max(dot(normal, half), 0.0);
                 let vh = max(dot(towards_eye, half), 0.0);
-                states[index].radiance += radiance * highlight(material.gloss, nl, facing, nh, vh);
+                var shine = highlight(material.gloss, nl, facing, nh, vh);
+                let spread = spread_of(normal, direction, changes_at(index, hit, questions[index]));
+                if spread.is_there {
+                    let frame = mat3x3f(spread.x, spread.y, normal);
+                    let to_light = vec3f((light.towards * frame).xy, nl);
+                    let to_eye = vec3f((towards_eye * frame).xy, facing);
+                    let to_half = vec3f((half * frame).xy, nh);
+                    shine = widened_highlight(material.gloss, spread.added, to_light, to_eye, to_half, vh);
+                }
+                states[index].radiance += radiance * shine;
             }
         }
     }

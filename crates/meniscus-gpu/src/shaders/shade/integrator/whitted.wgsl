@@ -6,6 +6,7 @@
 
 const LEAST_WEIGHT: f32 = 1e-3;
 const MAX_STRAIGHT: u32 = 64u;
+const WIDENS_MIRRORS: bool = false;
 
 struct Branch {
     question: Question,
@@ -28,6 +29,11 @@ fn branch_place(index: u32, height: u32) -> u32 {
     return height * lights_at() + index;
 }
 
+// Behind those of the samples.
+fn differential_place(index: u32, height: u32) -> u32 {
+    return branch_place(index, height + 1u);
+}
+
 // Goes on with a branch that waits; false where there is none.
 fn next_branch(index: u32, state: ptr<function, State>) -> bool {
     if (*state).kinds.z == 0u {
@@ -37,6 +43,9 @@ fn next_branch(index: u32, state: ptr<function, State>) -> bool {
     (*state).kinds.z -= 1u;
     let branch = branches[branch_place(index, (*state).kinds.z)];
     questions[index] = branch.question;
+    if antialiases() {
+        differentials[index] = differentials[differential_place(index, (*state).kinds.z)];
+    }
     (*state).throughput = branch.throughput;
     (*state).density = branch.weight;
     (*state).media = branch.media;
@@ -82,6 +91,10 @@ fn follow(
         leaving(answer, direction, FAR, on_viewers_side, questions[index].time),
         (*state).throughput * part, weight, select(beyond, (*state).media, on_viewers_side), level,
     );
+    if antialiases() {
+        differentials[differential_place(index, height)] =
+            differential_behind(index, point, !on_viewers_side, point.bsdf.eta);
+    }
     (*state).kinds.z = height + 1u;
 }
 
@@ -100,7 +113,7 @@ fn meeting_at(index: u32, state: State) -> Meeting {
     let material = material_at(index);
     let contact = contact_of(answer, material, state.media, question.origin);
     let indices = vec2f(ior_in(state.media), ior_in(contact.beyond));
-    let point = point_of(answer, material, question.direction, 0.0, indices);
+    let point = point_of(index, answer, material, 0.0, indices);
     var opacity = 1.0;
     if state.kinds.y > 0u {
         opacity = opacity_of(answer.surface, answer.position);
@@ -147,6 +160,7 @@ fn arrive(index: u32, state: ptr<function, State>) -> bool {
         (*state).media = contact.beyond;
         (*state).sheets += 1u;
         questions[index] = passed(question, answer, FAR);
+        advance_differential(index, answer.t);
         return false;
     }
     if !has(*state, HAS_FIRST) {
@@ -241,6 +255,7 @@ fn leave(index: u32, state: ptr<function, State>, meeting: Meeting) {
         count(COUNT_REFRACTION);
         (*state).sheets += 1u;
         questions[index] = passed(question, answer, FAR);
+        advance_differential(index, answer.t);
         return;
     }
     next_branch(index, state);
