@@ -9,7 +9,7 @@ use meniscus_testing::corpus::{self, Scene};
 use meniscus_testing::data;
 
 /// Every scene.
-pub(crate) const NAMES: [&str; 13] = [
+pub(crate) const NAMES: [&str; 14] = [
     "scattered",
     "pool",
     "tornado",
@@ -19,6 +19,7 @@ pub(crate) const NAMES: [&str; 13] = [
     "ellipsoids",
     "tangent",
     "negative",
+    "weighed",
     "crown",
     "bunny",
     "dam break",
