@@ -9,7 +9,7 @@ use meniscus::intersect::{BlobHit, Crossing, Scratch};
 use meniscus::kernel::Kernel;
 use meniscus::math::ray::Ray;
 use meniscus::math::simd::Level;
-use meniscus::scene::{EngineSettings, MotionBounds};
+use meniscus::scene::{EngineSettings, Leaves, MotionBounds};
 use meniscus_testing::corpus::{self, Scene};
 use meniscus_testing::examine::{Question, Tracer};
 use meniscus_testing::oracle::Oracle;
@@ -67,7 +67,7 @@ fn built(field: &BlobField, engine: Engine, level: Level) -> Blobs {
 /// Engine `cells` with the shutter cut into slabs of time.
 fn in_slabs(field: &BlobField, slabs: u32, level: Level) -> Blobs {
     let mut blobs = Blobs::build(field.clone(), Engine::Cells, level);
-    blobs.accel = Accel::Cells(TimedCells::build(field, slabs));
+    blobs.accel = Accel::Cells(TimedCells::build(field, slabs, Leaves::default()));
     blobs
 }
 
@@ -232,7 +232,7 @@ fn the_shutter_is_cut_where_a_slab_of_it_is_calm_enough() {
 #[test]
 fn every_time_belongs_to_the_slab_that_holds_it() {
     let scene = moving(&corpus::scene("pool", Kernel::Quartic, 200), 3.0);
-    let cells = TimedCells::build(&scene.field, 4);
+    let cells = TimedCells::build(&scene.field, 4, Leaves::default());
     assert_eq!(cells.slabs().len(), 4);
     let [open, close] = SHUTTER_SECS;
     for n in -10..=110 {

@@ -10,7 +10,8 @@ pub(crate) struct EngineArgs {
     /// fitted-bvh, sweep; on a GPU particles, peel [default: cells; on a GPU particles]
     ///
     /// cells: engine.time_slabs=1 to 8, into how many parts the shutter's time is cut for blobs that
-    /// move [default: 0, by their motion].
+    /// move [default: 0, by their motion]; engine.leaves=copies|indices [default: copies], with indices
+    /// its leaves take a fraction of the memory, and rays more time.
     /// The papers' engines have switches in the scene's table `engine`, so --set reaches them.
     /// metaball-bvh and fitted-bvh: engine.cost=n|n2 [default: n2]. fitted-bvh: engine.fit,
     /// engine.rmax_boxes and engine.discard, each true|false [default: true].

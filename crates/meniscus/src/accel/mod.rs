@@ -116,7 +116,11 @@ impl Accel {
         let turns = field.motion.as_ref().is_some_and(Motion::turns);
         let is_elsewhere = settings.builder == Builder::Device && !turns;
         match engine {
-            Engine::Cells => Self::Cells(TimedCells::build(field, slabs.unwrap_or(1))),
+            Engine::Cells => Self::Cells(TimedCells::build(
+                field,
+                slabs.unwrap_or(1),
+                settings.leaves,
+            )),
             Engine::Particles if is_elsewhere => Self::Elsewhere,
             Engine::Particles => Self::Particles(particle_tree()),
             Engine::Interval => Self::Interval(particle_tree()),

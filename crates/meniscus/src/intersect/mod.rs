@@ -166,7 +166,7 @@ impl Blobs {
     pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<BlobHit>], scratch: &mut Scratch) {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
-            Accel::Cells(cells) => cells::closest_many(self, cells, rays, hits, scratch),
+            Accel::Cells(cells) => cells::answer_many(self, cells, rays, hits, scratch),
             Accel::Particles(_)
             | Accel::Interval(_)
             | Accel::Metaballs(_)
@@ -187,7 +187,7 @@ impl Blobs {
     pub fn occluded_many(&self, rays: &[Ray], hits: &mut [bool], scratch: &mut Scratch) {
         assert_eq!(rays.len(), hits.len(), "one answer per ray");
         match &self.accel {
-            Accel::Cells(cells) => cells::occluded_many(self, cells, rays, hits, scratch),
+            Accel::Cells(cells) => cells::answer_many(self, cells, rays, hits, scratch),
             Accel::Particles(_)
             | Accel::Interval(_)
             | Accel::Metaballs(_)

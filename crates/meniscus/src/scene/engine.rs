@@ -55,6 +55,17 @@ pub enum MotionBounds {
     Bezier,
 }
 
+/// What the leaves of engine `cells` hold of the blobs that reach them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Leaves {
+    /// The blobs themselves: the faster rays.
+    #[default]
+    Copies,
+    /// Where they are in the field, which rays look up: a fraction of the memory, and the same hits.
+    Indices,
+}
+
 /// How engine `peel` finds what the rays through a tile of the film may meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -92,6 +103,8 @@ pub struct EngineSettings {
     /// `cells`: into how many slabs of time the shutter is cut for blobs that move, up to
     /// [`MOST_TIME_SLABS`]; 0 leaves it to their motion.
     pub time_slabs: u32,
+    /// `cells`: `copies` or `indices`, what leaves hold of their blobs.
+    pub leaves: Leaves,
     /// `peel`: `tiles` or `sprites`.
     pub peel: PeelVariant,
 }
@@ -107,6 +120,7 @@ impl Default for EngineSettings {
             builder: Builder::default(),
             motion_bounds: MotionBounds::default(),
             time_slabs: 0,
+            leaves: Leaves::default(),
             peel: PeelVariant::default(),
         }
     }

@@ -28,7 +28,7 @@ pub use color::Color;
 pub use colormap::ColorMap;
 pub use cues::CueSettings;
 pub use engine::{
-    Builder, Clipping, EngineSettings, LeafCost, MOST_TIME_SLABS, MotionBounds, PeelVariant,
+    Builder, Clipping, EngineSettings, LeafCost, Leaves, MOST_TIME_SLABS, MotionBounds, PeelVariant,
 };
 pub use file::{SceneError, SceneErrorKind};
 pub use film::{Background, FilmSettings, WhiteBalance};

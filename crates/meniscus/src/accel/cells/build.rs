@@ -11,6 +11,7 @@ use crate::field::Span;
 use crate::kernel::KernelShape;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
+use crate::scene::Leaves;
 use fearless_simd::Simd;
 use glam::Vec3;
 
@@ -88,6 +89,8 @@ pub(super) struct BuildContext {
     pub(super) stored: Columns,
     /// The time that the cells are for.
     pub(super) span: Span,
+    /// What leaves hold of their blobs.
+    pub(super) leaves: Leaves,
 }
 
 impl BuildContext {

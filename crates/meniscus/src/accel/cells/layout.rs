@@ -3,12 +3,14 @@
 //! A leaf is one header block followed by chunks of [`LANES`] blobs in structure-of-arrays form:
 //! x, y, z relative to the leaf's centre, the shape's columns, the weight, the blob's index. Without
 //! the re-centring f32 is too coarse for a million particles. Columns that are the same for all blobs
-//! of the field ([`Columns`]) are not stored. Nodes and leaves of blobs that move say where everything is
+//! of the field ([`Columns`]) are not stored. With [`Leaves::Indices`] chunks hold the indices alone. Nodes and leaves of blobs that move say where everything is
 //! within the shutter.
 
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;
 use crate::primitive::Primitive;
+#[cfg(doc)]
+use crate::scene::Leaves;
 
 /// Blobs per chunk, and numbers per block.
 pub const LANES: usize = 16;
@@ -173,6 +175,17 @@ impl Columns {
     #[inline(always)]
     pub fn count<P: Primitive>(&self) -> usize {
         self.motion_at::<P>() + self.motion
+    }
+
+    /// Column `k` of lanes without a blob: values that no box reaches.
+    #[inline(always)]
+    pub fn absent<P: Primitive>(&self, k: usize) -> f32 {
+        let is_width = self.shape.is_none() && P::DIAGONAL.iter().any(|d| Self::SHAPE + d == k);
+        match k {
+            0 => self.nowhere,
+            _ if is_width => 8.0 / self.nowhere,
+            _ => 0.0,
+        }
     }
 
     /// Blocks per chunk: one per column and one of indices, the last.

@@ -7,6 +7,7 @@ use super::list::BlobList;
 use super::place::Place;
 use crate::kernel::KernelShape;
 use crate::primitive::Primitive;
+use crate::scene::Leaves;
 use fearless_simd::Simd;
 
 /// Slabs tried on each face, as fractions of the box that is left. Where a thin one holds surface, so
@@ -52,7 +53,7 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
         return None;
     }
     let block = blocks.len() as u32;
-    pack::<P>(kept, trimmed, context.pad, blocks);
+    pack::<P>(kept, trimmed, context, blocks);
     Some((trimmed, block))
 }
 
@@ -83,17 +84,26 @@ fn fine_beta<P: Primitive>(list: &BlobList, size: f32) -> f32 {
     }
 }
 
-fn pack<P: Primitive>(list: &BlobList, place: Place, pad: f32, blocks: &mut Vec<Block>) {
+fn pack<P: Primitive>(
+    list: &BlobList,
+    place: Place,
+    context: &BuildContext,
+    blocks: &mut Vec<Block>,
+) {
     let center = place.middle().center();
     let extent = place.hull().size().max_element();
     let header = LeafHeader {
         count: list.count,
         center: center.to_array(),
-        fine_beta: fine_beta::<P>(list, extent.max(MARGIN_PARTS * pad)),
+        fine_beta: fine_beta::<P>(list, extent.max(MARGIN_PARTS * context.pad)),
     };
     blocks.push(header.to_block());
+    let columns = match context.leaves {
+        Leaves::Copies => list.stored.count::<P>(),
+        Leaves::Indices => 0,
+    };
     for at in (0..list.count).step_by(LANES) {
-        for k in 0..list.stored.count::<P>() {
+        for k in 0..columns {
             let mut block = Block::ZERO;
             block.0.copy_from_slice(&list.columns[k][at..at + LANES]);
             if k < Columns::SHAPE {

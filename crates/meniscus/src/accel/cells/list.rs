@@ -1,11 +1,11 @@
 //! Blobs as columns, as the build of cells filters them.
 
 use super::layout::{Columns, LANES};
+use super::unpack::row_of;
 use crate::field::{BlobField, Span};
 use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
-use glam::Vec3;
 
 /// A list of blobs as columns: x, y, z, shape…, weight (as far as they vary), rates of motion (if they
 /// move), and their indices. Every column is padded to whole chunks with blobs that reach nothing.
@@ -54,36 +54,9 @@ impl BlobList {
         self.reset::<P>(stored, blobs.len());
         self.count = blobs.len();
         for (row, &blob) in blobs.iter().enumerate() {
-            let blob = blob as usize;
-            match &field.motion {
-                None => {
-                    for k in 0..3 {
-                        self.columns[k][row] = field.centers[blob][k];
-                    }
-                }
-                Some(motion) => {
-                    let center = Vec3::from_array(field.centers[blob]).as_dvec3();
-                    let [place, velocity, half] = motion.by_phase(span, blob, center);
-                    let first = stored.motion_at::<P>();
-                    for k in 0..3 {
-                        self.columns[k][row] = place[k] as f32;
-                        self.columns[first + k][row] = velocity[k] as f32;
-                        if stored.is_accelerated() {
-                            self.columns[first + 3 + k][row] = half[k] as f32;
-                        }
-                    }
-                }
-            }
-            if stored.shape.is_none() {
-                let mut shape = [0.0; 6];
-                P::pack(&field.shapes, blob, &mut shape[..P::COLUMNS]);
-                for k in 0..P::COLUMNS {
-                    self.columns[Columns::SHAPE + k][row] = shape[k];
-                }
-            }
-            if stored.weight.is_none() {
-                self.columns[stored.weight_at::<P>()][row] = field.weights[blob];
-            }
+            row_of::<P>(field, span, &stored, blob as usize, |k, value| {
+                self.columns[k][row] = value;
+            });
         }
         self.indices[..blobs.len()].copy_from_slice(blobs);
         self.pad::<P>();
@@ -93,14 +66,7 @@ impl BlobList {
     pub(super) fn pad<P: Primitive>(&mut self) {
         let end = self.count.next_multiple_of(LANES);
         for (k, column) in self.columns.iter_mut().enumerate() {
-            let value = if k == 0 { self.stored.nowhere } else { 0.0 };
-            column[self.count..end].fill(value);
-        }
-        if self.stored.shape.is_none() {
-            for k in P::DIAGONAL {
-                let narrow = 8.0 / self.stored.nowhere;
-                self.columns[Columns::SHAPE + k][self.count..end].fill(narrow);
-            }
+            column[self.count..end].fill(self.stored.absent::<P>(k));
         }
         self.indices[self.count..end].fill(u32::MAX);
     }

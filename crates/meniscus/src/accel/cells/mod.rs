@@ -1,8 +1,9 @@
 //! Cells: a tree of disjoint boxes that contain the surface, not the particles.
 //!
 //! Boxes proven to hold no surface (upper bound of the field below the threshold, or lower bound
-//! above it) are dropped while the tree is built. Each leaf copies the blobs that reach it. Leaves
-//! are disjoint, so the first one along a ray that reports a crossing ends the ray.
+//! above it) are dropped while the tree is built. Each leaf copies the blobs that reach it, or holds
+//! their indices ([`Leaves`]). Leaves are disjoint, so the first one along a ray that reports a crossing
+//! ends the ray.
 //!
 //! Only coarse cells are made at once. What lies below one is refined when the first ray
 //! comes there, once and to the same bits whoever comes first: a picture sees a part of the surface,
@@ -23,15 +24,18 @@ mod moving;
 mod place;
 mod slabs;
 pub mod traverse;
+mod unpack;
 
 pub use build::BuildRule;
 pub use slabs::TimedCells;
+pub use unpack::Unpacked;
 
 use crate::field::{BlobField, Span};
 use crate::kernel::KernelShape;
 use crate::math::aabb::{Aabb, DAabb};
 use crate::particles::neighbours::BoxTree;
 use crate::primitive::{Ball, Ellipsoid, Primitive, Shapes};
+use crate::scene::Leaves;
 use build::{BuildContext, Builder};
 use coarse::CoarseBox;
 use fearless_simd::Simd;
@@ -106,7 +110,7 @@ pub struct Part {
 impl Cells {
     /// Builds the coarse cells of `field` in `span` with the leaf rule that suits it; `tree` holds the
     /// supports there, unless the field's does.
-    fn build_in(field: &BlobField, span: Span, tree: Option<BoxTree>) -> Self {
+    fn build_in(field: &BlobField, span: Span, leaves: Leaves, tree: Option<BoxTree>) -> Self {
         if field.is_empty() {
             return Self::default();
         }
@@ -122,6 +126,7 @@ impl Cells {
                     .max(bounds.center().abs().max_element()),
             rule: default_rule(field),
             span,
+            leaves,
             stored: match field.shapes {
                 Shapes::Balls(_) => Columns::of::<Ball>(field, &bounds),
                 Shapes::Ellipsoids(_) => Columns::of::<Ellipsoid>(field, &bounds),
@@ -150,6 +155,12 @@ impl Cells {
     #[inline(always)]
     pub fn stored(&self) -> &Columns {
         &self.context.stored
+    }
+
+    /// What the leaves hold of their blobs.
+    #[inline(always)]
+    pub fn leaves(&self) -> Leaves {
+        self.context.leaves
     }
 
     /// The time that these cells are for.

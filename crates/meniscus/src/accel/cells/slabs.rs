@@ -4,6 +4,7 @@
 use super::Cells;
 use super::moving::{Unrest, way_spacings};
 use crate::field::{BlobField, Motion, Span};
+use crate::scene::Leaves;
 use rayon::prelude::*;
 
 /// The structure of engine `cells`: [`Cells`] for each slab of time; one where nothing moves, or little.
@@ -39,21 +40,21 @@ impl TimedCells {
     }
 
     /// Builds the coarse cells of `field` in `slabs` slabs of time, at least one.
-    pub fn build(field: &BlobField, slabs: u32) -> Self {
+    pub fn build(field: &BlobField, slabs: u32, leaves: Leaves) -> Self {
         let spans = match &field.motion {
             None => vec![Span::default()],
             Some(_) if field.is_empty() => vec![Span::default()],
             Some(motion) => motion.whole().parts(slabs.max(1) as usize).collect(),
         };
         let slabs = match *spans {
-            [span] => vec![Cells::build_in(field, span, None)],
+            [span] => vec![Cells::build_in(field, span, leaves, None)],
             _ => spans
                 .into_par_iter()
                 .map(|span| {
                     let tree = field
                         .support_tree()
                         .refitted(|i| field.path_bounds_in(span, i));
-                    Cells::build_in(field, span, Some(tree))
+                    Cells::build_in(field, span, leaves, Some(tree))
                 })
                 .collect(),
         };

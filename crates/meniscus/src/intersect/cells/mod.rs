@@ -12,17 +12,19 @@ use super::solve::{
 use super::{BlobHit, Scratch, sweep};
 use crate::accel::cells::layout::{Block, Columns, LANES, LeafHeader};
 use crate::accel::cells::traverse::{Stack, visit_leaves};
-use crate::accel::cells::{Cells, Part, TimedCells};
+use crate::accel::cells::{Cells, Part, TimedCells, Unpacked};
+use crate::field::BlobField;
 use crate::frame::Blobs;
 use crate::kernel::KernelShape;
 use crate::math::ray::{Ray, Side};
 use crate::primitive::Primitive;
+use crate::scene::Leaves;
 use fearless_simd::Simd;
 use gather::{Segment, gather};
 use glam::DVec3;
 use packet::PacketScratch;
 
-pub use together::{closest_many, occluded_many};
+pub use together::answer_many;
 
 /// Buffers of one thread.
 #[derive(Debug, Default)]
@@ -31,6 +33,7 @@ pub struct CellsScratch {
     active: Active,
     pending: Pending,
     packet: PacketScratch,
+    unpacked: Unpacked,
     /// Leaves with blobs too small for f32 that single rays have visited so far.
     pub(super) fine_leaves: u64,
 }
@@ -40,7 +43,8 @@ enum Found<'a> {
     /// The first crossing.
     Crossing {
         t: f64,
-        leaf: LeafView<'a>,
+        /// The last leaf that was visited: its part and its header block.
+        leaf: (&'a Part, u32),
         entering: bool,
     },
     /// The ray meets blobs too small for f32: engine `sweep` has to look.
@@ -54,17 +58,8 @@ pub fn closest(
     ray: &Ray,
     scratch: &mut Scratch,
 ) -> Option<BlobHit> {
-    closest_counted(blobs, cells.at(ray.time), ray, scratch)
-}
-
-fn closest_counted(
-    blobs: &Blobs,
-    cells: &Cells,
-    ray: &Ray,
-    scratch: &mut Scratch,
-) -> Option<BlobHit> {
     scratch.counters.rays += 1;
-    closest_alone(blobs, cells, ray, scratch)
+    closest_alone(blobs, cells.at(ray.time), ray, scratch)
 }
 
 fn closest_alone(
@@ -77,7 +72,8 @@ fn closest_alone(
         Found::BeyondF32 => sweep::first(blobs, blobs.exact_tree(), ray, scratch),
         Found::Crossing { t, leaf, entering } => {
             let at = ray.at(t) - blobs.field.origin;
-            let (outward, strongest) = gradient_at(blobs, &leaf, at, cells.phase(ray.time));
+            let unpacked = &scratch.cells.unpacked;
+            let (outward, strongest) = gradient_at(blobs, cells, leaf, (at, ray.time), unpacked);
             Some(BlobHit {
                 t,
                 outward,
@@ -90,12 +86,8 @@ fn closest_alone(
 
 /// Whether a traceable object-space ray has a crossing.
 pub fn occluded(blobs: &Blobs, cells: &TimedCells, ray: &Ray, scratch: &mut Scratch) -> bool {
-    occluded_counted(blobs, cells.at(ray.time), ray, scratch)
-}
-
-fn occluded_counted(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
     scratch.counters.rays += 1;
-    occluded_alone(blobs, cells, ray, scratch)
+    occluded_alone(blobs, cells.at(ray.time), ray, scratch)
 }
 
 fn occluded_alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> bool {
@@ -143,6 +135,7 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         stack,
         active,
         pending,
+        unpacked,
         fine_leaves,
         ..
     } = &mut scratch.cells;
@@ -177,7 +170,7 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
                                 == ray.inside;
                     }
                     first_leaf = false;
-                    let leaf = LeafView::new::<P>(cells, part, block);
+                    let leaf = LeafView::new::<P>(&blobs.field, cells, (part, block), unpacked);
                     counters.blob_evaluations += leaf.header.count as u64;
                     let origin = (ray.origin + ray.direction * near_f64 - leaf.center()).as_vec3();
                     if leaf.header.fine_beta < f32::INFINITY {
@@ -201,7 +194,7 @@ fn find_in_cells<'a, S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
                     let crossing = search.first_on::<S, K>(simd, active, pending, near_f64, length);
                     found = crossing.map(|t| Found::Crossing {
                         t,
-                        leaf,
+                        leaf: (part, block),
                         entering: !ray.inside,
                     });
                     found.is_some()
@@ -223,16 +216,40 @@ struct LeafView<'a> {
 }
 
 impl<'a> LeafView<'a> {
-    /// The leaf at `block`.
+    /// The leaf of a part at a header block; `unpacked` is where its blobs go if it holds indices.
     #[inline(always)]
-    fn new<P: Primitive>(cells: &'a Cells, part: &'a Part, block: u32) -> Self {
+    fn new<P: Primitive>(
+        field: &BlobField,
+        cells: &'a Cells,
+        (part, block): (&'a Part, u32),
+        unpacked: &'a mut Unpacked,
+    ) -> Self {
+        if cells.leaves() == Leaves::Indices {
+            unpacked.look_up::<P>(field, cells, part, block);
+        }
+        Self::visited::<P>(cells, (part, block), unpacked)
+    }
+
+    /// The leaf that was visited last.
+    #[inline(always)]
+    fn visited<P: Primitive>(
+        cells: &'a Cells,
+        (part, block): (&'a Part, u32),
+        unpacked: &'a Unpacked,
+    ) -> Self {
         let header = LeafHeader::from_block(&part.blocks[block as usize]);
         let stored = cells.stored();
-        let first = block as usize + 1;
-        let blocks = header.count.div_ceil(LANES) * stored.blocks_per_chunk::<P>();
+        let chunks = match cells.leaves() {
+            Leaves::Copies => {
+                let first = block as usize + 1;
+                let blocks = header.count.div_ceil(LANES) * stored.blocks_per_chunk::<P>();
+                &part.blocks[first..first + blocks]
+            }
+            Leaves::Indices => unpacked.chunks(),
+        };
         Self {
             header,
-            chunks: &part.blocks[first..first + blocks],
+            chunks,
             stored,
         }
     }
@@ -259,16 +276,26 @@ fn meets_fine<P: Primitive>(blobs: &Blobs, leaf: &LeafView<'_>, ray: &LocalRay) 
         .any(|i| meets_fine_blob(field, i, leaf.header.fine_beta, ray))
 }
 
-/// −∇F and the strongest blob at a local point of a leaf.
-fn gradient_at(blobs: &Blobs, leaf: &LeafView<'_>, at: DVec3, phase: f32) -> (DVec3, u32) {
-    let point = (at - leaf.center()).as_vec3().to_array();
+/// −∇F and the strongest blob at a local point of the leaf that was visited last.
+fn gradient_at(
+    blobs: &Blobs,
+    cells: &Cells,
+    leaf: (&Part, u32),
+    (at, time_secs): (DVec3, f64),
+    unpacked: &Unpacked,
+) -> (DVec3, u32) {
+    let phase = cells.phase(time_secs);
     specialised!(blobs, simd, K, P => simd.vectorize(
         #[inline(always)]
-        || gradient::outward_and_strongest::<_, K, P>(
-            simd,
-            (leaf.stored, phase),
-            leaf.chunks,
-            point,
-        )
+        || {
+            let leaf = LeafView::visited::<P>(cells, leaf, unpacked);
+            let point = (at - leaf.center()).as_vec3().to_array();
+            gradient::outward_and_strongest::<_, K, P>(
+                simd,
+                (leaf.stored, phase),
+                leaf.chunks,
+                point,
+            )
+        }
     ))
 }

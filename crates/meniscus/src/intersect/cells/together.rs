@@ -1,52 +1,86 @@
 //! Many rays at once: slab of time by slab, sixteen at a time where they are coherent.
 
 use super::packet::{self, Outcome};
-use super::{closest_alone, closest_counted, occluded_alone, occluded_counted};
+use super::{closest_alone, occluded_alone};
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::{Cells, TimedCells};
 use crate::frame::Blobs;
 use crate::intersect::{BlobHit, Scratch};
 use crate::math::ray::Ray;
 
-/// First crossings of object-space rays, in `hits`; rays that lie close together go faster.
-pub fn closest_many(
-    blobs: &Blobs,
-    cells: &TimedCells,
-    rays: &[Ray],
-    hits: &mut [Option<BlobHit>],
-    scratch: &mut Scratch,
-) {
-    for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        slab_by_slab(cells, rays, hits, |cells, rays, hits| {
-            closest_few(blobs, cells, rays, hits, scratch);
-        });
+/// What is asked of each ray.
+pub trait Answer: Copy {
+    /// Whether any crossing will do.
+    const ANY: bool;
+    /// There is none.
+    const NONE: Self;
+
+    /// What a packet found.
+    fn of_hit(t: f64, outward: [f32; 3], strongest: u32) -> Self;
+
+    /// Of a traceable ray by itself.
+    fn alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Self;
+}
+
+/// The first crossing.
+impl Answer for Option<BlobHit> {
+    const ANY: bool = false;
+    const NONE: Self = None;
+
+    #[inline(always)]
+    fn of_hit(t: f64, outward: [f32; 3], strongest: u32) -> Self {
+        Some(BlobHit {
+            t,
+            outward: glam::Vec3::from_array(outward).as_dvec3(),
+            strongest,
+            entering: true,
+        })
+    }
+
+    fn alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Self {
+        closest_alone(blobs, cells, ray, scratch)
     }
 }
 
-/// Whether object-space rays cross the surface, in `hits`; rays that lie close together go faster.
-pub fn occluded_many(
+/// Whether there is a crossing.
+impl Answer for bool {
+    const ANY: bool = true;
+    const NONE: Self = false;
+
+    #[inline(always)]
+    fn of_hit(_: f64, _: [f32; 3], _: u32) -> Self {
+        true
+    }
+
+    fn alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Self {
+        occluded_alone(blobs, cells, ray, scratch)
+    }
+}
+
+/// Answers for object-space rays; those that lie close together and follow each other go faster.
+pub fn answer_many<A: Answer>(
     blobs: &Blobs,
     cells: &TimedCells,
     rays: &[Ray],
-    hits: &mut [bool],
+    answers: &mut [A],
     scratch: &mut Scratch,
 ) {
-    for (rays, hits) in rays.chunks(LANES).zip(hits.chunks_mut(LANES)) {
-        slab_by_slab(cells, rays, hits, |cells, rays, hits| {
-            occluded_few(blobs, cells, rays, hits, scratch);
+    for (rays, answers) in rays.chunks(LANES).zip(answers.chunks_mut(LANES)) {
+        slab_by_slab(cells, rays, answers, |cells, rays, answers| {
+            answer_few(blobs, cells, rays, answers, scratch);
         });
     }
 }
 
 /// Calls `trace` with the cells of each slab of time and those of up to sixteen rays whose times lie in
 /// it; answers come back to where the rays were.
-fn slab_by_slab<A: Copy>(
+fn slab_by_slab<A: Answer>(
     cells: &TimedCells,
     rays: &[Ray],
     answers: &mut [A],
     mut trace: impl FnMut(&Cells, &[Ray], &mut [A]),
 ) {
-    let (Some(&first), Some(&blank)) = (rays.first(), answers.first()) else {
+    let Some(&first) = rays.first() else {
         return;
     };
     let slab = cells.slab_at(first.time);
@@ -63,7 +97,7 @@ fn slab_by_slab<A: Copy>(
                 count += 1;
             }
         }
-        let mut answers_there = [blank; LANES];
+        let mut answers_there = [A::NONE; LANES];
         trace(cells_then, &there[..count], &mut answers_there[..count]);
         for (answer, &place) in answers_there.iter().zip(&places[..count]) {
             answers[place] = *answer;
@@ -71,62 +105,35 @@ fn slab_by_slab<A: Copy>(
     }
 }
 
-/// [`closest_many`] of up to sixteen rays.
-fn closest_few(
+/// [`answer_many`] for up to sixteen rays.
+fn answer_few<A: Answer>(
     blobs: &Blobs,
     cells: &Cells,
     rays: &[Ray],
-    hits: &mut [Option<BlobHit>],
+    answers: &mut [A],
     scratch: &mut Scratch,
 ) {
     if !cells.suit_packets(|| part_of_span(cells, rays)) || !packet::may_be_coherent(rays) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = ray
-                .is_traceable()
-                .then(|| closest_counted(blobs, cells, ray, scratch))
-                .flatten();
+        for (ray, answer) in rays.iter().zip(answers) {
+            *answer = if ray.is_traceable() {
+                scratch.counters.rays += 1;
+                A::alone(blobs, cells, ray, scratch)
+            } else {
+                A::NONE
+            };
         }
         return;
     }
-    let outcomes = packet::trace(blobs, cells, rays, false, scratch);
-    for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
-        *hit = match outcome {
-            Outcome::Miss => None,
+    let outcomes = packet::trace(blobs, cells, rays, A::ANY, scratch);
+    for ((ray, answer), outcome) in rays.iter().zip(answers).zip(outcomes) {
+        *answer = match outcome {
+            Outcome::Miss => A::NONE,
             Outcome::Hit {
                 t,
                 outward,
                 strongest,
-            } => Some(BlobHit {
-                t,
-                outward: glam::Vec3::from_array(outward).as_dvec3(),
-                strongest,
-                entering: true,
-            }),
-            Outcome::Alone => closest_alone(blobs, cells, ray, scratch),
-        };
-    }
-}
-
-/// [`occluded_many`] of up to sixteen rays.
-fn occluded_few(
-    blobs: &Blobs,
-    cells: &Cells,
-    rays: &[Ray],
-    hits: &mut [bool],
-    scratch: &mut Scratch,
-) {
-    if !cells.suit_packets(|| part_of_span(cells, rays)) || !packet::may_be_coherent(rays) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = ray.is_traceable() && occluded_counted(blobs, cells, ray, scratch);
-        }
-        return;
-    }
-    let outcomes = packet::trace(blobs, cells, rays, true, scratch);
-    for ((ray, hit), outcome) in rays.iter().zip(hits).zip(outcomes) {
-        *hit = match outcome {
-            Outcome::Miss => false,
-            Outcome::Hit { .. } => true,
-            Outcome::Alone => occluded_alone(blobs, cells, ray, scratch),
+            } => A::of_hit(t, outward, strongest),
+            Outcome::Alone => A::alone(blobs, cells, ray, scratch),
         };
     }
 }

@@ -21,6 +21,7 @@ const PLAIN: EngineSettings = EngineSettings {
     builder: meniscus::scene::Builder::Sah,
     motion_bounds: meniscus::scene::MotionBounds::Auto,
     time_slabs: 0,
+    leaves: meniscus::scene::Leaves::Copies,
     peel: meniscus::scene::PeelVariant::Tiles,
 };
 

@@ -14,7 +14,7 @@ mod prepare;
 mod step;
 mod visit;
 
-use super::LeafView;
+use super::{CellsScratch, LeafView};
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::frame::Blobs;
@@ -235,7 +235,11 @@ fn trace_group<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         phases: prepared.phases(group),
         on_stated_side: prepared.side_is_proven & !prepared.starts_at_t_min,
     };
-    let PacketScratch { stack, active } = &mut scratch.cells.packet;
+    let CellsScratch {
+        packet: PacketScratch { stack, active },
+        unpacked,
+        ..
+    } = &mut scratch.cells;
     let counters = &mut scratch.counters;
     let mut leaves_visited = [0; 2];
     let mut seen_leaf = 0;
@@ -249,7 +253,7 @@ fn trace_group<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         |within, index| cells.part::<S, K, P>(simd, &blobs.field, within, index),
         #[inline(always)]
         |lanes, part, block, mask, near, far| {
-            let leaf = LeafView::new::<P>(cells, part, block);
+            let leaf = LeafView::new::<P>(&blobs.field, cells, (part, block), unpacked);
             let in_leaf = u64::from(mask.count_ones());
             leaves_visited[0] += in_leaf;
             leaves_visited[1] += in_leaf * leaf.header.count as u64;
