@@ -1,10 +1,11 @@
 //! The stage that gathers what reaches a stretch of a ray, on fixed rays, against all blobs looked at one by
 //! one in f64: none that reaches the stretch is lost, none is listed that does not.
 
-use crate::device::{AdapterChoice, Device, OpenOptions};
+use crate::device::Device;
 use crate::readback;
 use crate::shader::{WORKGROUP, sources};
 use crate::stage::dispatch;
+use crate::test_device::device;
 use crate::tracer::{FieldTracer, TracerOptions};
 use crate::uploaded::{CAPACITIES, Uploaded};
 use glam::DVec3;
@@ -244,20 +245,8 @@ fn moving(mut field: BlobField) -> BlobField {
 
 #[test]
 fn stretches_hold_all_that_reaches_them_and_nothing_else() {
-    let options = OpenOptions {
-        choice: AdapterChoice::CardOrSoftware,
-        lose_after: None,
-    };
-    let device = match Device::open(options) {
-        Ok(device) => device,
-        Err(error) => {
-            assert!(
-                std::env::var_os("MENISCUS_REQUIRE_GPU").is_none(),
-                "{error}"
-            );
-            eprintln!("skipped stretches_hold_all_that_reaches_them_and_nothing_else: {error}");
-            return;
-        }
+    let Some(device) = device("stretches_hold_all_that_reaches_them_and_nothing_else") else {
+        return;
     };
     for kind in ["scattered", "pool", "mixed", "ellipsoids", "negative"] {
         let field = corpus::scene(kind, Kernel::Sextic, 400).field;

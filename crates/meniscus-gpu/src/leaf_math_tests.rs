@@ -3,11 +3,12 @@
 
 use crate::batch::{HitRecord, RayRecord};
 use crate::chunks::{Chunks, Word};
-use crate::device::{AdapterChoice, Device, OpenOptions};
+use crate::device::Device;
 use crate::pack::{blob_words, pack};
 use crate::readback;
 use crate::shader::{FieldMotion, ShaderKind, WORKGROUP, sources};
 use crate::stage::dispatch;
+use crate::test_device::device;
 use crate::tracer::TracerOptions;
 use meniscus::accel::particles::ParticleTree;
 use meniscus::kernel::{Kernel, KernelShape, Octic, Quartic, Sextic, Wyvill};
@@ -188,20 +189,8 @@ fn check<K: KernelShape, P: Primitive>(device: &Device, kernel: Kernel, set: &st
 
 #[test]
 fn leaves_reckon_as_on_the_cpu() {
-    let options = OpenOptions {
-        choice: AdapterChoice::CardOrSoftware,
-        lose_after: None,
-    };
-    let device = match Device::open(options) {
-        Ok(device) => device,
-        Err(error) => {
-            assert!(
-                std::env::var_os("MENISCUS_REQUIRE_GPU").is_none(),
-                "{error}"
-            );
-            eprintln!("skipped leaves_reckon_as_on_the_cpu: {error}");
-            return;
-        }
+    let Some(device) = device("leaves_reckon_as_on_the_cpu") else {
+        return;
     };
     check::<Quartic, Ball>(&device, Kernel::Quartic, "pool");
     check::<Sextic, Ellipsoid>(&device, Kernel::Sextic, "ellipsoids");

@@ -23,6 +23,8 @@ mod readback;
 mod shader;
 mod stage;
 mod stages;
+#[cfg(test)]
+mod test_device;
 mod tracer;
 mod uploaded;
 

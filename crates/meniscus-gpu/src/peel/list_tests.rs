@@ -11,8 +11,9 @@ use super::shader::tile;
 use super::slots::{Eye, Seen, Slots};
 use super::sprites;
 use super::view::View;
-use crate::device::{AdapterChoice, Device, OpenOptions};
+use crate::device::Device;
 use crate::readback;
+use crate::test_device::device;
 use glam::{DAffine3, DVec3};
 use meniscus::accel::Engine;
 use meniscus::frame::Blobs;
@@ -331,20 +332,8 @@ impl<'a> Round<'a> {
 
 #[test]
 fn lists_and_culling_lose_nothing_and_hold_nothing_else() {
-    let options = OpenOptions {
-        choice: AdapterChoice::CardOrSoftware,
-        lose_after: None,
-    };
-    let device = match Device::open(options) {
-        Ok(device) => device,
-        Err(error) => {
-            assert!(
-                std::env::var_os("MENISCUS_REQUIRE_GPU").is_none(),
-                "{error}"
-            );
-            eprintln!("skipped lists_and_culling_lose_nothing_and_hold_nothing_else: {error}");
-            return;
-        }
+    let Some(device) = device("lists_and_culling_lose_nothing_and_hold_nothing_else") else {
+        return;
     };
     let mut sums = [0; 4];
     for kind in ["scattered", "pool", "mixed", "negative"] {

@@ -3,10 +3,11 @@
 use super::picture::PictureRecord;
 use super::programs::StagePrograms;
 use super::sources::StageModule;
-use crate::device::{AdapterChoice, Device, OpenOptions};
+use crate::device::Device;
 use crate::readback;
 use crate::shader::WORKGROUP;
 use crate::stage::dispatch;
+use crate::test_device::device;
 use glam::{DVec3, Vec3};
 use meniscus::film::Region;
 use meniscus::frame::{Environment, Frame, FrameSettings, Light};
@@ -70,25 +71,6 @@ fn probe(@builtin(global_invocation_id) id: vec3u) {
         Seen(sample.weight, bitcast<u32>(density), sample.towards, bitcast<u32>(sample.distance), all, 0u);
 }
 ";
-
-/// A device, unless there is none, which is said.
-fn device(test: &str) -> Option<Device> {
-    let options = OpenOptions {
-        choice: AdapterChoice::CardOrSoftware,
-        lose_after: None,
-    };
-    match Device::open(options) {
-        Ok(device) => Some(device),
-        Err(error) => {
-            assert!(
-                std::env::var_os("MENISCUS_REQUIRE_GPU").is_none(),
-                "{error}"
-            );
-            eprintln!("skipped {test}: {error}");
-            None
-        }
-    }
-}
 
 /// Numbers that look random, in [0, 1).
 fn number(question: usize, which: u32) -> f32 {

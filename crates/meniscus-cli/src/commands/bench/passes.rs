@@ -101,20 +101,30 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
 impl Bench<'_> {
     /// Measures primary rays alone.
     pub(crate) fn primary(&self) -> Outcome<(PassFigures, Counters)> {
+        let (figures, _, counters) = self.primary_pass()?;
+        Ok((figures, counters))
+    }
+
+    /// One ray per pixel, and where they hit.
+    fn primary_pass(&self) -> Outcome<(PassFigures, Vec<Option<Start>>, Counters)> {
         let [width, height] = self.camera.size;
-        let pixels = in_blocks(width, height);
-        let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
-            self.tracing.closest_hits(self.frame, rays, hits, scratch)
-        };
-        let (figures, _, counters) = self.pass(
+        self.pass(
             0,
-            &pixels,
+            &in_blocks(width, height),
             #[inline(always)]
             |&pixel| self.primary_ray(pixel),
-            closest,
+            |rays, hits, scratch| self.closest(rays, hits, scratch),
             start_at,
-        )?;
-        Ok((figures, counters))
+        )
+    }
+
+    fn closest(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Option<Hit>],
+        scratch: &mut Scratch,
+    ) -> Result<(), TraceError> {
+        self.tracing.closest_hits(self.frame, rays, hits, scratch)
     }
 
     /// The ray from a hit, at the time of the one that found it.
@@ -153,19 +163,7 @@ impl Bench<'_> {
 
     /// Measures all passes.
     pub(crate) fn run(&self) -> Outcome<Measured> {
-        let [width, height] = self.camera.size;
-        let pixels = in_blocks(width, height);
-        let closest = |rays: &[Ray], hits: &mut [Option<Hit>], scratch: &mut Scratch| {
-            self.tracing.closest_hits(self.frame, rays, hits, scratch)
-        };
-        let (primary, starts, counters) = self.pass(
-            0,
-            &pixels,
-            #[inline(always)]
-            |&pixel| self.primary_ray(pixel),
-            closest,
-            start_at,
-        )?;
+        let (primary, starts, counters) = self.primary_pass()?;
         let starts: Vec<Start> = starts.into_iter().flatten().collect();
         let lit: Vec<Start> = starts
             .iter()
@@ -193,7 +191,7 @@ impl Bench<'_> {
             &starts,
             #[inline(always)]
             |start| self.hemisphere_ray(start),
-            closest,
+            |rays, hits, scratch| self.closest(rays, hits, scratch),
             is_hit,
         )?;
         let mut shuffled = starts;
@@ -203,7 +201,7 @@ impl Bench<'_> {
             &shuffled,
             #[inline(always)]
             |start| self.hemisphere_ray(start),
-            closest,
+            |rays, hits, scratch| self.closest(rays, hits, scratch),
             is_hit,
         )?;
         Ok(Measured {
