@@ -89,7 +89,7 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome {
         scene.validate().map_err(scene_failure)
     };
     let inputs = input::resolve(std::slice::from_ref(&args.input), None, &edit)?;
-    let first = &inputs.first;
+    let first = inputs.first();
     let mut all = Vec::new();
     for (surface, path) in first.scene.surfaces.iter().zip(&first.files) {
         all.push(info(surface, path, &inputs)?);
@@ -123,7 +123,7 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome {
 }
 
 fn info(surface: &Surface, path: &Path, inputs: &Inputs) -> Outcome<Info> {
-    let FrameInput { step, .. } = inputs.first;
+    let FrameInput { step, .. } = *inputs.first();
     let file = io::read(path, step).map_err(|error| Failure::work(error.to_string()))?;
     let settings = surface.settings(&BlobSettings::of_format(file.format));
     let mut warnings = file.warnings.clone();

@@ -38,12 +38,20 @@ pub(crate) struct Inputs {
     pub frames: Vec<FrameInput>,
     /// Whether they are frames of a sequence (even if there is one only).
     pub is_sequence: bool,
-    /// The first frame of the whole sequence, selected or not: it decides what stays fixed.
-    pub first: FrameInput,
+    /// All frames of the sequence, selected or not, at least one: the first with particles decides what
+    /// stays fixed.
+    pub all: Vec<FrameInput>,
     /// By how much the frame numbers usually rise, selected or not.
     pub step: u64,
     /// What a user should know, a sentence each.
     pub warnings: Vec<String>,
+}
+
+impl Inputs {
+    /// The first frame of the whole sequence.
+    pub(crate) fn first(&self) -> &FrameInput {
+        &self.all[0]
+    }
 }
 
 /// Finds out what the inputs are. `edit` changes each scene (options, presets) before its files are
@@ -112,9 +120,9 @@ fn selected(
     is_sequence: bool,
     is_pattern: bool,
 ) -> Outcome<Inputs> {
-    let Some(first) = frames.first().cloned() else {
+    if frames.is_empty() {
         return Err(Failure::wrong("no input"));
-    };
+    }
     let numbers: Vec<u64> = frames.iter().map(|frame| frame.number).collect();
     let step = sequence::usual_step(&numbers);
     // Whoever lists files by name means these and no others.
@@ -124,9 +132,9 @@ fn selected(
         Vec::new()
     };
     Ok(Inputs {
+        all: frames.clone(),
         frames: select_frames(selection, frames)?,
         is_sequence,
-        first,
         step,
         warnings,
     })

@@ -76,6 +76,15 @@ pub(crate) fn read(input: &FrameInput, reporter: &Reporter) -> Outcome<ReadFrame
     })
 }
 
+/// What becomes of a file of which no particle is left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WithoutParticles {
+    /// There is nothing to do, which is a mistake.
+    Fails,
+    /// Its frame shows nothing of it: in a sequence particles may come later or go early.
+    IsEmpty,
+}
+
 /// Reads and builds a frame. `scene` is the input's scene with everything applied; `aov` names the
 /// channels that will be asked for.
 pub(crate) fn load(
@@ -83,11 +92,12 @@ pub(crate) fn load(
     scene: &Scene,
     aov: &[String],
     engine: &EngineChoice,
+    without: WithoutParticles,
     reporter: &Reporter,
 ) -> Outcome<LoadedFrame> {
     let ReadFrame { files, .. } = read(input, reporter)?;
     reporter.stage("build");
-    build(input, scene, &files, aov, engine, reporter)
+    build(input, scene, &files, aov, engine, without, reporter)
 }
 
 /// Builds a frame from decoded files.
@@ -97,6 +107,7 @@ pub(crate) fn build(
     files: &[ParticleFile],
     aov: &[String],
     engine: &EngineChoice,
+    without: WithoutParticles,
     reporter: &Reporter,
 ) -> Outcome<LoadedFrame> {
     let start = Instant::now();
@@ -115,11 +126,21 @@ pub(crate) fn build(
         let motion = &scene.motion;
         let shutter_secs = motion.shutter_secs();
         let scale = motion.velocity_scale;
+        let particles = &file.particles;
         let built =
-            BlobField::from_moving_particles(&file.particles, &settings, shutter_secs, scale)
-                .map_err(|error| field_failure(error, path))?;
+            match BlobField::from_moving_particles(particles, &settings, shutter_secs, scale) {
+                Err(error @ FieldError::Empty { .. }) if without == WithoutParticles::IsEmpty => {
+                    reporter.warn(&format!(
+                        "{}: {error}, so this frame shows nothing of it",
+                        path.display()
+                    ));
+                    BlobField::without_blobs(particles, &settings)
+                }
+                built => built,
+            }
+            .map_err(|error| field_failure(error, path))?;
         let is_expected = shutter_secs[0] < shutter_secs[1] && !moves_as_a_whole(scene);
-        if is_expected && built.field.motion.is_none() {
+        if is_expected && !built.field.is_empty() && built.field.motion.is_none() {
             reporter.warn(&format!(
                 "{}: no column of velocities that are not 0, so nothing moves",
                 path.display()

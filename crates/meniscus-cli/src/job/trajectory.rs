@@ -35,7 +35,7 @@ pub(super) fn frames(
     trajectories: &[PathBuf],
     topology: Inputs,
 ) -> Outcome<(Vec<FrameInput>, Vec<String>)> {
-    let frame = topology.first;
+    let frame = topology.first();
     let Some(file) = frame.files.first().filter(|_| !topology.is_sequence) else {
         return Err(Failure::wrong(
             "a trajectory lies over one molecule file, or over a scene that has one",

@@ -84,6 +84,61 @@ fn coming_and_going_particles_are_seen_in_part() {
 }
 
 #[test]
+fn frames_without_particles_show_nothing_and_decide_nothing() {
+    let folder = Folder::new();
+    // An emitter that starts late and stops early.
+    for (number, ids) in [(1, &[][..]), (2, &[0, 1, 2]), (3, &[0, 1, 2]), (4, &[])] {
+        folder.write(&format!("e_{number}.csv"), frame(number, ids, 2.5));
+    }
+    let ended = folder.done(&format!(
+        "render 'e_{{}}.csv' -o 'a_{{}}.png' {TINY} --stats s.json"
+    ));
+    assert_eq!(pictures(&folder, "a_").len(), 4);
+    assert!(ended.stderr.contains("e_1.csv"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("shows nothing"), "{}", ended.stderr);
+    let frames = folder.json("s.json")["frames"].clone();
+    let particles = |frame: usize| frames[frame]["particles"].as_u64().unwrap();
+    assert_eq!([0, 1, 2, 3].map(particles), [0, 3, 3, 0]);
+    assert_eq!(folder.read("a_1.png"), folder.read("a_4.png"));
+    assert_ne!(folder.read("a_1.png"), folder.read("a_2.png"));
+    // Camera and radius are those of the first frame with particles, whatever comes before it, is
+    // selected, or appears one by one.
+    folder.done(&format!(
+        "render e_2.csv e_3.csv -o 'b_{{}}.png' {TINY} --radius 0.5"
+    ));
+    folder.done(&format!(
+        "render 'e_{{}}.csv' -o 'c_{{}}.png' {TINY} --radius 0.5 --frames 3"
+    ));
+    assert_eq!(folder.read("c_3.png"), folder.read("b_3.png"));
+    folder.done(&format!(
+        "render 'e_{{}}.csv' -o 'd_{{}}.png' {TINY} --watch --watch-timeout 1"
+    ));
+    for number in 1..=4 {
+        let of = |prefix: &str| folder.read(&format!("{prefix}_{number}.png"));
+        assert_eq!(of("a"), of("d"), "{number}");
+    }
+    // Those that come within an interval fade in; layers stay what they are.
+    let slow = "--slow-motion 2 --radius 0.5 --aov id --stats s.json";
+    folder.done(&format!(
+        "render 'e_{{}}.csv' -o 's_{{}}.exr' {TINY} {slow}"
+    ));
+    let frames = folder.json("s.json")["frames"].clone();
+    let particles = |frame: usize| frames[frame]["particles"].as_u64().unwrap();
+    assert_eq!([0, 1, 2, 3, 4, 5, 6].map(particles), [0, 3, 3, 3, 3, 3, 0]);
+    // A picture of nothing alone is a mistake, and so is a sequence of nothing.
+    folder.fails(
+        &format!("render e_1.csv -o o.png {TINY}"),
+        1,
+        &["e_1.csv", "no particle is left"],
+    );
+    folder.fails(
+        &format!("render 'e_{{}}.csv' -o 'o_{{}}.png' {TINY} --filter 'id > 7'"),
+        1,
+        &["no frame of the sequence holds a particle", "--filter"],
+    );
+}
+
+#[test]
 fn what_is_wrong_with_slow_motion_is_said() {
     let folder = Folder::new();
     for number in 1..=2 {

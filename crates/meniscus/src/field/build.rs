@@ -4,7 +4,7 @@ use super::anisotropy::{Estimate, estimate};
 use super::shape::Form;
 use super::supports::{Rule, Supports, positive, retain};
 use super::weights::volume_weights;
-use super::{BlobField, FieldError, FieldReport};
+use super::{BlobField, FieldError, FieldReport, SupportSource};
 use crate::particles::Particles;
 use crate::particles::elements::van_der_waals_radius;
 use crate::particles::filter::Filter;
@@ -87,6 +87,26 @@ impl BlobField {
         settings: &BlobSettings,
     ) -> Result<FieldBuild, FieldError> {
         Self::from_moving_particles(particles, settings, [0.0; 2], 1.0)
+    }
+
+    /// A field without blobs that carries the attributes which `settings` want of such particles: what a
+    /// frame shows of which [`FieldError::Empty`] leaves nothing.
+    ///
+    /// # Errors
+    /// When an attribute is missing.
+    pub fn without_blobs(
+        particles: &Particles,
+        settings: &BlobSettings,
+    ) -> Result<FieldBuild, FieldError> {
+        let none = Supports::Balls(Vec::new());
+        let build = Build {
+            filtered: particles.len(),
+            ..Build::of(particles, Vec::new())
+        };
+        // No tolerance is asked of it, but each is to be a number.
+        let mut built = build.pack(settings, none, SupportSource::Support, Some(1.0))?;
+        built.report.spacing = None;
+        Ok(built)
     }
 
     /// [`BlobField::from_particles`] of particles that move while the shutter is open, from and until
@@ -195,15 +215,23 @@ impl<'a> Build<'a> {
             }
         };
         Ok(Self {
-            particles,
             filtered: particles.len() - kept.len(),
+            ..Self::of(particles, kept)
+        })
+    }
+
+    /// Nothing is known yet but who is kept.
+    fn of(particles: &'a Particles, kept: Vec<u32>) -> Self {
+        Self {
+            particles,
             kept,
+            filtered: 0,
             dropped: Vec::new(),
             weights: None,
             stretch: None,
             notes: Vec::new(),
             moved: None,
-        })
+        }
     }
 
     /// Where the particles that are left stand.

@@ -9,7 +9,7 @@ use crate::interrupt;
 use crate::job::device::Tracing;
 use crate::job::engine::EngineChoice;
 use crate::job::input;
-use crate::job::load::{self, LoadedFrame, ReadFrame};
+use crate::job::load::{self, LoadedFrame, ReadFrame, WithoutParticles};
 use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
 use crate::progress::Reporter;
 use meniscus::accel::Engine;
@@ -197,7 +197,15 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome {
         drop(loaded.take());
         interrupt::check()?;
         let to = if repeat == 0 { &reporter } else { &silent };
-        let built = load::build(input, &input.scene, &files, &[], &engine, to)?;
+        let built = load::build(
+            input,
+            &input.scene,
+            &files,
+            &[],
+            &engine,
+            WithoutParticles::Fails,
+            to,
+        )?;
         build_secs.push(built.build_secs);
         loaded = Some(built);
     }

@@ -7,7 +7,7 @@ use crate::exit::{Failure, Outcome};
 use crate::interrupt;
 use crate::job::device::Tracing;
 use crate::job::engine::EngineChoice;
-use crate::job::load::{self, LoadedFrame, ReadFrame};
+use crate::job::load::{self, LoadedFrame, ReadFrame, WithoutParticles};
 use crate::job::output::Target;
 use crate::job::watch::Watch;
 use crate::progress::Reporter;
@@ -78,7 +78,7 @@ impl<'a> Loader<'a> {
                 return Ok(None);
             };
             if let Some(fixed) = &mut self.fixed {
-                fixed.decided_by(&job.input);
+                fixed.appears(&job.input);
             }
             if job.is_done {
                 return Ok(Some(Step { job, ready: None }));
@@ -157,7 +157,20 @@ impl<'a> Loader<'a> {
         };
         scene.motion.time += job.since_first / scene.motion.fps;
         reporter.stage("build");
-        let loaded = load::build(input, &scene, &read.files, self.aov, self.engine, reporter)?;
+        let without = match self.fixed {
+            Some(_) => WithoutParticles::IsEmpty,
+            None => WithoutParticles::Fails,
+        };
+        let files = &read.files;
+        let loaded = load::build(
+            input,
+            &scene,
+            files,
+            self.aov,
+            self.engine,
+            without,
+            reporter,
+        )?;
         let start = Instant::now();
         // The frame before may still be rendered: a card has two in its memory then.
         let tracing = Tracing::ahead(self.engine, &loaded.frame);

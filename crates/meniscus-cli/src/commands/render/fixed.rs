@@ -1,22 +1,27 @@
 //! What must not move from frame to frame.
 
 use super::picture;
-use crate::exit::Outcome;
+use crate::exit::{Failure, Outcome};
 use crate::job::engine::EngineChoice;
 use crate::job::input::FrameInput;
-use crate::job::load;
+use crate::job::load::{self, WithoutParticles};
 use crate::progress::Reporter;
 use meniscus::field::SupportSource;
 use meniscus::math::DVec3;
 use meniscus::scene::camera::Camera;
 use meniscus::scene::{Scene, Surface};
+use std::collections::VecDeque;
 
-/// A default camera, the ground and radii that are estimated, which the first frame of a sequence
-/// decides.
+/// A default camera, the ground and radii that are estimated, which the first frame of a sequence that
+/// holds particles decides.
 #[derive(Default)]
 pub(super) struct Fixed {
-    first: Option<FrameInput>,
-    /// What the first frame says, once it is known.
+    first_number: Option<u64>,
+    /// Frames that may decide, in order.
+    candidates: VecDeque<FrameInput>,
+    /// Whether these were all frames, so that none that appears later decides.
+    are_all: bool,
+    /// What is fixed, once a frame decided.
     found: Option<Found>,
 }
 
@@ -29,14 +34,27 @@ struct Found {
 }
 
 impl Fixed {
-    /// Lets `first` decide, unless another frame does already.
-    pub(super) fn decided_by(&mut self, first: &FrameInput) {
-        self.first.get_or_insert_with(|| first.clone());
+    /// Of a sequence of these frames.
+    pub(super) fn by(frames: Vec<FrameInput>) -> Self {
+        Self {
+            first_number: frames.first().map(|first| first.number),
+            candidates: frames.into(),
+            are_all: true,
+            found: None,
+        }
+    }
+
+    /// A frame of a sequence that nobody knew as a whole.
+    pub(super) fn appears(&mut self, frame: &FrameInput) {
+        self.first_number.get_or_insert(frame.number);
+        if !self.are_all && self.found.is_none() {
+            self.candidates.push_back(frame.clone());
+        }
     }
 
     /// Number of the first frame.
     pub(super) fn first_number(&self) -> Option<u64> {
-        self.first.as_ref().map(|first| first.number)
+        self.first_number
     }
 
     /// The scene of a frame with what the first one decides.
@@ -54,14 +72,29 @@ impl Fixed {
         if !camera_is_open && !ground_is_open && scene.surfaces.iter().all(has_size) {
             return Ok(scene);
         }
-        let found = match &self.found {
-            Some(found) => found,
-            None => {
-                let first = self.first.as_ref().unwrap_or(input);
-                let found = ask(first, engine, reporter)?;
-                self.found.insert(found)
+        while self.found.is_none()
+            && let Some(candidate) = self.candidates.pop_front()
+        {
+            self.found = ask(&candidate, engine, reporter)?;
+        }
+        let Some(found) = &self.found else {
+            if self.are_all {
+                let problem = Failure::work("no frame of the sequence holds a particle");
+                return Err(match &scene.surfaces[..] {
+                    [
+                        Surface {
+                            filter: Some(filter),
+                            ..
+                        },
+                        ..,
+                    ] => problem.with_help(format!("--filter '{filter}' leaves none")),
+                    _ => problem,
+                });
             }
+            // There is nothing to see yet, from wherever.
+            return Ok(scene);
         };
+        self.candidates.clear();
         if !has_keys {
             scene.camera.eye.get_or_insert(found.eye);
             scene.camera.target.get_or_insert(found.target);
@@ -86,11 +119,16 @@ fn has_size(surface: &Surface) -> bool {
         || columns.iter().any(|column| column.is_some())
 }
 
-/// What the first frame says.
-fn ask(first: &FrameInput, engine: &EngineChoice, reporter: &Reporter) -> Outcome<Found> {
+/// What the first frame with particles says; `None` of one without.
+fn ask(first: &FrameInput, engine: &EngineChoice, reporter: &Reporter) -> Outcome<Option<Found>> {
     let scene = &first.scene;
     // Its warnings come when it is rendered.
-    let loaded = load::load(first, scene, &[], engine, &Reporter::silent())?;
+    let silent = Reporter::silent();
+    let without = WithoutParticles::IsEmpty;
+    let loaded = load::load(first, scene, &[], engine, without, &silent)?;
+    if loaded.particles() == 0 && !loaded.reports.is_empty() {
+        return Ok(None);
+    }
     let bounds = loaded.frame.framing_bounds();
     let camera = picture::camera(scene, &loaded.frame)?;
     let Camera { eye, forward, .. } = camera;
@@ -112,10 +150,10 @@ fn ask(first: &FrameInput, engine: &EngineChoice, reporter: &Reporter) -> Outcom
         ));
         Some(radius)
     });
-    Ok(Found {
+    Ok(Some(Found {
         eye,
         target,
         ground_height: if lowest.is_finite() { lowest } else { 0.0 },
         radii: radii.collect(),
-    })
+    }))
 }

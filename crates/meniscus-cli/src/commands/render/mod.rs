@@ -53,10 +53,8 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome {
             .iter()
             .for_each(|words| reporter.warn(words));
         let is_sequence = inputs.is_sequence;
-        let mut fixed = (is_sequence || options.slow_motion.is_some()).then(Fixed::default);
-        if let Some(fixed) = &mut fixed {
-            fixed.decided_by(&inputs.first);
-        }
+        let fixed =
+            (is_sequence || options.slow_motion.is_some()).then(|| Fixed::by(inputs.all.clone()));
         let mut jobs = match (args.turntable, options.slow_motion) {
             (None, None) => plan::frames(inputs, &target)?,
             (None, Some(factor)) => plan::moments(inputs, &target, factor)?,

@@ -68,14 +68,13 @@ impl Job {
 /// The pictures of all frames; a single file of several time steps gives all of them where there is
 /// room.
 pub(crate) fn frames(inputs: Inputs, target: &Target) -> Outcome<Vec<Job>> {
+    let mut first_number = inputs.first().number;
     let Inputs {
         mut frames,
         is_sequence,
-        first,
         step,
         ..
     } = inputs;
-    let mut first_number = first.number;
     if let Target::Picture(output) = target
         && frames.len() > 1
     {
@@ -114,7 +113,7 @@ const SAME_MOMENT: f64 = 1e-9;
 /// frames are missing the way over the gap takes as long as it would with them.
 pub(crate) fn moments(inputs: Inputs, target: &Target, factor: f64) -> Outcome<Vec<Job>> {
     let (is_sequence, all_step) = (inputs.is_sequence, inputs.step as f64);
-    let first_of_all = inputs.first.number;
+    let first_of_all = inputs.first().number;
     let frames = match &inputs.frames[..] {
         [only] if !is_sequence => steps_of(only)?,
         _ => inputs.frames,

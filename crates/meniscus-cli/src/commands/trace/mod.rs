@@ -8,8 +8,9 @@ use crate::exit::{Failure, Outcome};
 use crate::interrupt;
 use crate::job::device::Tracing;
 use crate::job::engine::EngineChoice;
+use crate::job::load::{self, WithoutParticles};
 use crate::job::scene::{apply_camera, apply_settings, apply_surface, scene_failure};
-use crate::job::{files, input, load};
+use crate::job::{files, input};
 use crate::progress::Reporter;
 use hits::{Answers, Question};
 use meniscus::scene::Scene;
@@ -55,7 +56,14 @@ pub(crate) fn run(args: &TraceArgs) -> Outcome {
         .filter(|time| time.is_finite());
     let latest = latest.fold(0.0, f64::max);
     scene.motion.shutter = scene.motion.shutter.max(2.0 * latest * scene.motion.fps);
-    let loaded = load::load(input, &scene, &[], &engine, &reporter)?;
+    let loaded = load::load(
+        input,
+        &scene,
+        &[],
+        &engine,
+        WithoutParticles::Fails,
+        &reporter,
+    )?;
     reporter.stage("trace");
     let question = if args.any {
         Question::Any

@@ -14,15 +14,15 @@ use crate::shade::rays::ShadeScratch;
 use glam::DVec3;
 
 /// What a ray meets where it hits a surface.
-struct Contact {
+pub(super) struct Contact {
     /// The surface that counts.
-    hit: Hit,
+    pub(super) hit: Hit,
     /// Media behind it; those in front of it if it is opaque.
-    beyond: MediumStack,
+    pub(super) beyond: MediumStack,
     /// Whether anything changes there.
-    is_boundary: bool,
+    pub(super) is_boundary: bool,
     /// How far apart rounding can bring crossings of one place, in the ray's parameter.
-    margin: f64,
+    pub(super) margin: f64,
 }
 
 /// How a ray goes on that nothing turned.
@@ -32,13 +32,13 @@ pub(in crate::shade) struct Onward {
     /// Media that it is in.
     pub(in crate::shade) media: MediumStack,
     /// How far its origin was moved along.
-    walked: f64,
+    pub(super) walked: f64,
 }
 
 impl Contact {
     /// Behind what was no boundary. A ray that only met its own start again keeps what it states about
     /// it and leaves the place, or it would meet the faces that coincide there in turn for ever.
-    fn onward(&self, ray: &Ray) -> Onward {
+    pub(super) fn onward(&self, ray: &Ray) -> Onward {
         let is_start = self.hit.t - ray.t_min <= self.margin;
         Onward {
             ray: match is_start {
@@ -54,7 +54,7 @@ impl Contact {
 impl World<'_> {
     /// What a ray in `media` meets at `hit`. Where faces coincide all are crossed at once; an opaque one
     /// stands behind what touches it.
-    fn contact(
+    pub(super) fn contact(
         &self,
         ray: &Ray,
         hit: Hit,
@@ -221,7 +221,7 @@ impl World<'_> {
 
 /// The normal at a hit on the viewer's side: that for shading, unless `of_face` or it turns away from
 /// the viewer.
-fn viewed_normal(ray: &Ray, hit: &Hit, of_face: bool) -> DVec3 {
+pub(super) fn viewed_normal(ray: &Ray, hit: &Hit, of_face: bool) -> DVec3 {
     let towards = if hit.entering { 1.0 } else { -1.0 };
     let shading = hit.shading_normal * towards;
     if !of_face && shading.dot(ray.direction) < 0.0 {

@@ -1,6 +1,7 @@
 //! What is left of light on its way: absorption in media, and clear surfaces crossed in a straight line.
 
-use super::{Contact, World, passed, viewed_normal};
+use super::contact::{Contact, viewed_normal};
+use super::{World, passed};
 use crate::intersect::Hit;
 use crate::math::ray::Ray;
 use crate::shade::asking::Ask;
