@@ -181,7 +181,9 @@ impl LeafView<'_> {
             #[inline(always)]
             |k| bend[k] * (2.0 * middle) + velocity[k],
         );
-        (dot(bend, bend).sqrt() * half + dot(speed, speed).sqrt()) * half
+        // Bends are short, so a sum of sizes does for their length.
+        let bend = bend[0].abs() + bend[1].abs() + bend[2].abs();
+        Number::mul_add(bend, f32x16::splat(simd, half), dot(speed, speed).sqrt()) * half
     }
 }
 

@@ -161,10 +161,20 @@ pub(super) struct Gathered<S: Simd> {
     pub(super) last_approach: f32x16<S>,
 }
 
+/// Columns `first` and the two behind it of blob `lane` of a chunk, for every ray.
+#[inline(always)]
+fn three<S: Simd>(simd: S, chunk: &[Block], first: usize, lane: usize) -> [f32x16<S>; 3] {
+    let columns = &chunk[first..first + 3];
+    xyz(
+        #[inline(always)]
+        |k| f32x16::splat(simd, columns[k].0[lane]),
+    )
+}
+
 impl LeafView<'_> {
     /// Centre of blob `lane` of a chunk at the rays' times.
     #[inline(always)]
-    pub(super) fn center_of<S: Simd, P: Primitive, const MOVES: bool>(
+    pub(super) fn center_of<S: Simd, P: Primitive, const MOVES: bool, const ALIKE: bool>(
         &self,
         simd: S,
         chunk: &[Block],
@@ -172,21 +182,27 @@ impl LeafView<'_> {
         phase: f32x16<S>,
     ) -> [f32x16<S>; 3] {
         let lane = lane % LANES;
-        let chunk = &chunk[..self.stored.blocks_per_chunk::<P>()];
-        let number = |k: usize| f32x16::splat(simd, chunk[k].0[lane]);
-        let first = self.stored.motion_at::<P>();
+        let place = three(simd, chunk, 0, lane);
+        if !MOVES {
+            return place;
+        }
+        let first = if ALIKE {
+            // Neither shapes nor weights are stored.
+            Columns::SHAPE
+        } else {
+            self.stored.motion_at::<P>()
+        };
+        let mut speed = three(simd, chunk, first, lane);
+        if self.stored.is_accelerated() {
+            let bend = three(simd, chunk, first + 3, lane);
+            speed = xyz(
+                #[inline(always)]
+                |k| Number::mul_add(bend[k], phase, speed[k]),
+            );
+        }
         xyz(
             #[inline(always)]
-            |k| {
-                if !MOVES {
-                    return number(k);
-                }
-                let mut speed = number(first + k);
-                if self.stored.is_accelerated() {
-                    speed = Number::mul_add(number(first + 3 + k), phase, speed);
-                }
-                Number::mul_add(speed, phase, number(k))
-            },
+            |k| Number::mul_add(speed[k], phase, place[k]),
         )
     }
 
@@ -244,7 +260,8 @@ impl LeafView<'_> {
         };
         for &slot in &active.kept[..kept] {
             let chunk = &self.chunks[slot as usize / LANES * per_chunk..];
-            let center = self.center_of::<S, P, MOVES>(simd, chunk, slot as usize, lanes.phase);
+            let center =
+                self.center_of::<S, P, MOVES, ALIKE>(simd, chunk, slot as usize, lanes.phase);
             let w = xyz(
                 #[inline(always)]
                 |k| center[k] - origin[k],

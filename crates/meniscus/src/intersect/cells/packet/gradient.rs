@@ -36,7 +36,7 @@ impl LeafView<'_> {
         for blob in active.blobs() {
             let slot = blob.slot as usize;
             let chunk = &self.chunks[slot / LANES * per_chunk..];
-            let center = self.center_of::<S, P, MOVES>(simd, chunk, slot, phase);
+            let center = self.center_of::<S, P, MOVES, ALIKE>(simd, chunk, slot, phase);
             let d = xyz(
                 #[inline(always)]
                 |k| point[k] - center[k],

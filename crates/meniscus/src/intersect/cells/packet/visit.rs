@@ -64,7 +64,7 @@ struct Beam<S: Simd> {
     inverse_high: [f32x8<S>; 3],
     length: f32x8<S>,
     /// How much of the shutter's time is over for the first and the last of the rays.
-    elapsed: [f32; 2],
+    elapsed: [f32x8<S>; 2],
 }
 
 impl<S: Simd> Beam<S> {
@@ -78,7 +78,10 @@ impl<S: Simd> Beam<S> {
             inverse_low: [zero; 3],
             inverse_high: [zero; 3],
             length: f32x8::splat(simd, most(simd, mask, lanes.length)),
-            elapsed: lanes.phases.map(elapsed),
+            elapsed: [
+                f32x8::splat(simd, elapsed(lanes.phases[0])),
+                f32x8::splat(simd, elapsed(lanes.phases[1])),
+            ],
         };
         for axis in 0..3 {
             let ends = (
@@ -148,7 +151,10 @@ impl<S: Simd> Beam<S> {
     #[inline(always)]
     fn faces_at_ends(&self, simd: S, open: f32x8<S>, close: &[f32; 8]) -> [f32x8<S>; 2] {
         let way = f32x8::from_slice(simd, close) - open;
-        [way * self.elapsed[0] + open, way * self.elapsed[1] + open]
+        [
+            Number::mul_add(way, self.elapsed[0], open),
+            Number::mul_add(way, self.elapsed[1], open),
+        ]
     }
 }
 
@@ -237,6 +243,23 @@ pub(super) fn visit_leaves<'a, S: Simd, const MOVES: bool>(
     }
 }
 
+/// Face `row` of child `slot` of a node, for each lane when so much of the shutter's time is over.
+#[inline(always)]
+fn face_at<S: Simd, const MOVES: bool>(
+    simd: S,
+    ends: &[Node],
+    row: usize,
+    slot: usize,
+    elapsed: f32x16<S>,
+) -> f32x16<S> {
+    let open = f32x16::splat(simd, ends[0].bounds[row][slot]);
+    if !MOVES {
+        return open;
+    }
+    let way = f32x16::splat(simd, ends[1].bounds[row][slot]) - open;
+    Number::mul_add(elapsed, way, open)
+}
+
 /// Where each lane enters and leaves the box of child `slot`.
 #[inline(always)]
 fn range_in<S: Simd, const MOVES: bool>(
@@ -247,25 +270,22 @@ fn range_in<S: Simd, const MOVES: bool>(
     slot: usize,
 ) -> (f32x16<S>, f32x16<S>) {
     let slot = slot % 8;
-    let face_at = |row: usize| {
-        let open = f32x16::splat(simd, ends[0].bounds[row][slot]);
-        if !MOVES {
-            return open;
-        }
-        let way = f32x16::splat(simd, ends[1].bounds[row][slot]) - open;
-        Number::mul_add(lanes.phase * 0.5 + 0.5, way, open)
-    };
+    let elapsed = Number::mul_add(
+        lanes.phase,
+        f32x16::splat(simd, 0.5),
+        f32x16::splat(simd, 0.5),
+    );
     let near = xyz(
         #[inline(always)]
         |axis| {
-            let face = face_at(octant.near_row[axis]);
+            let face = face_at::<_, MOVES>(simd, ends, octant.near_row[axis], slot, elapsed);
             Number::mul_add(face, lanes.inverse[axis], lanes.shift[axis])
         },
     );
     let far = xyz(
         #[inline(always)]
         |axis| {
-            let face = face_at(octant.far_row[axis]);
+            let face = face_at::<_, MOVES>(simd, ends, octant.far_row[axis], slot, elapsed);
             Number::mul_add(face, lanes.inverse[axis], lanes.shift[axis])
         },
     );
