@@ -64,8 +64,9 @@ pub struct Cells {
     refinement_nanos: AtomicU64,
 }
 
-/// Up to this way of the blobs rays are traced together, in spacings.
-const MOST_WAY_SPACINGS: f32 = 2.0;
+/// Rays go together where blobs move no farther than this between their times, in spacings: others meet
+/// other cells.
+const WAY_APART_SPACINGS: f32 = 2.0;
 
 /// A cell whose inside is made when the first ray comes. What rays read is one cache line.
 #[derive(Debug)]
@@ -180,11 +181,11 @@ impl Cells {
         }
     }
 
-    /// Whether rays whose times lie within `part` of the span are worth tracing together: where blobs
-    /// move far in it, rays side by side meet other cells.
+    /// How far apart times may lie, on the scale of [`Cells::phase`], of rays that are worth tracing
+    /// together; infinite where nothing moves.
     #[inline(always)]
-    pub fn suit_packets(&self, part: impl FnOnce() -> f32) -> bool {
-        self.way_spacings <= MOST_WAY_SPACINGS || self.way_spacings * part() <= MOST_WAY_SPACINGS
+    pub fn phases_together(&self) -> f32 {
+        2.0 * WAY_APART_SPACINGS / self.way_spacings
     }
 
     /// What lies in coarse cell `index` of the structure of `field`, or in deep cell `index` of a part

@@ -113,7 +113,7 @@ fn answer_few<A: Answer>(
     answers: &mut [A],
     scratch: &mut Scratch,
 ) {
-    if !cells.suit_packets(|| part_of_span(cells, rays)) || !packet::may_be_coherent(rays) {
+    if !packet::may_be_coherent(cells, rays) {
         for (ray, answer) in rays.iter().zip(answers) {
             *answer = if ray.is_traceable() {
                 scratch.counters.rays += 1;
@@ -136,14 +136,4 @@ fn answer_few<A: Answer>(
             Outcome::Alone => A::alone(blobs, cells, ray, scratch),
         };
     }
-}
-
-/// What part of the cells' span the times of rays are spread over.
-fn part_of_span(cells: &Cells, rays: &[Ray]) -> f32 {
-    let phases = rays.iter().map(|ray| cells.phase(ray.time));
-    let (first, last) = phases.fold(
-        (f32::INFINITY, f32::NEG_INFINITY),
-        |(first, last), phase| (first.min(phase), last.max(phase)),
-    );
-    0.5 * (last - first)
 }

@@ -102,15 +102,20 @@ struct Job {
     any: bool,
 }
 
-/// Whether some rays point the same way, so that it may pay to look closer. Those that start a
-/// bounce in all directions are told apart here, for less than it costs to prepare them.
-pub(super) fn may_be_coherent(rays: &[Ray]) -> bool {
+/// Whether some rays point the same way at about the same time, so that it may pay to look closer. Those
+/// that start a bounce in all directions are told apart here, for less than it costs to prepare them.
+pub(super) fn may_be_coherent(cells: &Cells, rays: &[Ray]) -> bool {
+    let apart = cells.phases_together();
     [0, rays.len() / 2].into_iter().any(|leader| {
         let Some(leader) = rays.get(leader) else {
             return false;
         };
         let spread = DIRECTION_SPREAD * leader.direction.abs().max_element() * 2.0;
-        let alike = |ray: &&Ray| (ray.direction - leader.direction).abs().max_element() <= spread;
+        let phase = cells.phase(leader.time);
+        let alike = |ray: &&Ray| {
+            (ray.direction - leader.direction).abs().max_element() <= spread
+                && (cells.phase(ray.time) - phase).abs() <= apart
+        };
         rays.iter().filter(alike).count() >= FEWEST
     })
 }
@@ -165,7 +170,9 @@ fn trace_groups<S: Simd, K: KernelShape, P: Primitive>(
     let mut rest = prepared.present & !prepared.inside;
     while rest.count_ones() as usize >= FEWEST {
         let leader = rest.trailing_zeros() as usize % LANES;
-        let group = prepared.alike(rest, leader, reach, DIRECTION_SPREAD) | 1 << leader;
+        let group = prepared.alike(rest, leader, reach, DIRECTION_SPREAD)
+            & prepared.near_in_time(leader, cells.phases_together())
+            | 1 << leader;
         rest &= !group;
         if group.count_ones() as usize >= FEWEST {
             let work = (&prepared, group);

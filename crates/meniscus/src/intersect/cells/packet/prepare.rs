@@ -186,6 +186,16 @@ impl Prepared {
         ((self.t_start[lane] + along) * self.per_unit[lane]).clamp(ray.t_min, ray.t_max)
     }
 
+    /// The lanes whose times are no farther than `apart` from that of `leader`.
+    #[inline(always)]
+    pub(super) fn near_in_time(&self, leader: usize, apart: f32) -> u32 {
+        let mut mask = 0;
+        for (lane, phase) in self.phase.iter().enumerate() {
+            mask |= u32::from((phase - self.phase[leader]).abs() <= apart) << lane;
+        }
+        mask
+    }
+
     /// Of `lanes` those that point about the same way as `leader`, from about the same place: no
     /// farther than `reach` and `turn` in every coordinate.
     #[inline(always)]
