@@ -3,8 +3,8 @@
 //! A leaf is one header block followed by chunks of [`LANES`] blobs in structure-of-arrays form:
 //! x, y, z relative to the leaf's centre, the shape's columns, the weight, the blob's index. Without
 //! the re-centring f32 is too coarse for a million particles. Columns that are the same for all blobs
-//! of the field ([`Columns`]) are not stored. With [`Leaves::Indices`] chunks hold the indices alone. Nodes and leaves of blobs that move say where everything is
-//! within the shutter.
+//! of the field ([`Columns`]) are not stored. With [`Leaves::Indices`] chunks hold the indices alone.
+//! Nodes and leaves of blobs that move say where everything is within the shutter.
 
 use crate::field::BlobField;
 use crate::math::aabb::Aabb;

@@ -76,17 +76,13 @@ impl Unpacked {
         let indices = &part.blocks[block as usize + 1..][..chunks];
         let mut left = header.count;
         for (indices, chunk) in indices.iter().zip(self.0.chunks_exact_mut(per_chunk)) {
-            let chunk = &mut chunk[..per_chunk];
-            let (x, rest) = chunk.split_at_mut(1);
-            let (y, rest) = rest.split_at_mut(1);
-            let (z, others) = rest.split_at_mut(1);
-            let places = [&mut x[0].0, &mut y[0].0, &mut z[0].0];
+            let (places, others) = chunk.split_at_mut(3);
             let present = left.min(LANES);
             for lane in 0..present {
                 let blob = indices.0[lane].to_bits() as usize;
                 row_of::<P>(field, cells.span(), stored, blob, |k, value| {
                     if k < 3 {
-                        places[k][lane] = value - header.center[k];
+                        places[k].0[lane] = value - header.center[k];
                     } else {
                         others[k - 3].0[lane] = value;
                     }
@@ -95,7 +91,7 @@ impl Unpacked {
             for k in 0..per_chunk - 1 {
                 let absent = stored.absent::<P>(k);
                 if k < 3 {
-                    places[k][present..].fill(absent - header.center[k]);
+                    places[k].0[present..].fill(absent - header.center[k]);
                 } else {
                     others[k - 3].0[present..].fill(absent);
                 }
