@@ -13,6 +13,8 @@
 //! and when it closes and is in between in proportion to the time, so that at any one time the cells are
 //! disjoint boxes as ever.
 
+#[cfg(test)]
+mod bounds_tests;
 mod build;
 mod coarse;
 mod collapse;
