@@ -1,6 +1,6 @@
 //! Bounds over moving cells against the field itself, at random places and times.
 
-use super::filter::{FieldBounds, field_bounds, filter};
+use super::filter::{FieldBounds, filter, is_settled};
 use super::layout::Columns;
 use super::list::BlobList;
 use super::place::Place;
@@ -98,17 +98,27 @@ fn place(random: &mut Random, way: f32) -> Place {
     }
 }
 
-/// Bounds of all kinds over `place`.
+/// Bounds of all kinds over `place`, for all time. Blobs that reach it are the same whether the bounds
+/// settle anything or not.
 fn all_bounds<K: KernelShape, P: Primitive>(list: &BlobList, place: &Place) -> [FieldBounds; 3] {
+    let mut found = [FieldBounds::NONE; 3];
+    let [tight, close, loose] = &mut found;
+    let mut kept = [(); 3].map(|()| BlobList::default());
+    let [settled, settled_loosely, open] = &mut kept;
+    let keep = |found: &mut FieldBounds, bounds: FieldBounds| {
+        *found = bounds;
+        true
+    };
     let level = Level::new();
     dispatch!(level, simd => {
-        let mut kept = BlobList::default();
-        [
-            field_bounds::<_, K, P>(simd, list, place),
-            filter::<_, K, P>(simd, list, place, true, &mut kept),
-            filter::<_, K, P>(simd, list, place, false, &mut kept),
-        ]
-    })
+        is_settled::<_, K, P>(simd, list, place, |bounds| keep(tight, bounds));
+        filter::<_, K, P>(simd, list, place, true, settled, |bounds| keep(close, bounds));
+        filter::<_, K, P>(simd, list, place, false, settled_loosely, |bounds| keep(loose, bounds));
+        filter::<_, K, P>(simd, list, place, true, open, |_| false);
+    });
+    let [first, others @ ..] = kept.map(|list| list.indices[..list.count].to_vec());
+    assert!(others.iter().all(|other| *other == first));
+    found
 }
 
 /// Returns how often bounds of second order were the tighter ones.

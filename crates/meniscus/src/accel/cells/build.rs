@@ -5,7 +5,7 @@ use super::filter::{self, FieldBounds, filter};
 use super::layout::{Block, Columns, DEEP};
 use super::leaf::finish_leaf;
 use super::list::BlobList;
-use super::moving::{drift, pieces_for, widening};
+use super::moving::{self, drift, pieces_for};
 use super::place::Place;
 use crate::field::Span;
 use crate::kernel::KernelShape;
@@ -100,28 +100,33 @@ impl BuildContext {
     }
 }
 
-/// The support of a blob; an ellipsoid counts as the ball of the same volume.
-fn support_of<P: Primitive>(shape: &[f32]) -> f32 {
-    1.0 / match P::DIAGONAL {
-        [k] => shape[*k],
-        diagonal => diagonal.iter().map(|&k| shape[k]).product::<f32>().cbrt(),
+/// What a blob's support follows from: the larger, the smaller it is.
+fn steepness_of<P: Primitive>(shape: &[f32]) -> f32 {
+    P::DIAGONAL.iter().map(|&k| shape[k]).product()
+}
+
+/// The support that goes with a steepness; an ellipsoid counts as the ball of the same volume.
+fn support_from<P: Primitive>(steepness: f32) -> f32 {
+    1.0 / match P::DIAGONAL.len() {
+        1 => steepness,
+        _ => steepness.cbrt(),
     }
 }
 
 /// The list's smallest support.
 fn smallest_support<P: Primitive>(list: &BlobList) -> f32 {
-    list.smallest_of_shapes::<P>(support_of::<P>)
+    support_from::<P>(-list.smallest_of_shapes::<P>(|shape| -steepness_of::<P>(shape)))
 }
 
 /// The length by which leaves are measured: the smallest support, widened by how the blob moves against
 /// the cell.
-fn leaf_scale<P: Primitive>(list: &BlobList, cell: &Place) -> f32 {
+fn leaf_scale<S: Simd, P: Primitive>(simd: S, list: &BlobList, cell: &Place) -> f32 {
     if !list.stored.moves() {
         return smallest_support::<P>(list);
     }
-    (0..list.count)
-        .map(|i| support_of::<P>(&list.shape::<P>(i)) + widening::<P>(list, cell, i))
-        .fold(f32::INFINITY, f32::min)
+    moving::leaf_scale::<S, P>(simd, list, cell, |shape| {
+        support_from::<P>(steepness_of::<P>(shape))
+    })
 }
 
 /// Whether a half of `cell` is small enough for bounds of second order.
@@ -156,7 +161,7 @@ fn next_step<S: Simd, K: KernelShape, P: Primitive>(
     (stalled, depth): (u32, u32),
     context: &BuildContext,
 ) -> Step {
-    let support = leaf_scale::<P>(list, cell);
+    let support = leaf_scale::<S, P>(simd, list, cell);
     let middle = cell.middle();
     let side = middle.size().max_element();
     let rule = &context.rule;
@@ -288,7 +293,7 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
                 block: DEEP | index,
             });
         }
-        list.pieces = pieces_for::<P>(list, &cell, smallest_support::<P>(list));
+        list.pieces = pieces_for::<S, P>(simd, list, &cell, smallest_support::<P>(list));
         if step == Step::Finish {
             let kept = &mut self.leaf_buffer;
             return finish_leaf::<S, K, P>(simd, self.context, cell, list, kept, &mut self.blocks)
@@ -298,14 +303,16 @@ impl<'a, K: KernelShape, P: Primitive> Builder<'a, K, P> {
         let axis = longest_axis(cell.middle().size());
         let parts = cell.parted(axis, drift::<P>(list, &cell, axis));
         let mut lists = self.buffers.pop().unwrap_or_default();
-        let bounds = [0, 1].map(|i| {
-            let place = parts[i].padded(self.context.pad);
-            filter::<S, K, P>(simd, list, &place, close, &mut lists[i])
+        let context = self.context;
+        let are_settled = [0, 1].map(|i| {
+            let place = parts[i].padded(context.pad);
+            let settled = |bounds| context.settled(bounds);
+            filter::<S, K, P>(simd, list, &place, close, &mut lists[i], settled)
         });
         let stalled = next_stalled(stalled, list, [&lists[0], &lists[1]]);
         let mut children = [None, None];
         for i in 0..2 {
-            if lists[i].count > 0 && !self.context.settled(bounds[i]) {
+            if lists[i].count > 0 && !are_settled[i] {
                 children[i] = self.subtree(simd, parts[i], &mut lists[i], stalled, depth + 1);
             }
         }

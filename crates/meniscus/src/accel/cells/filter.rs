@@ -94,6 +94,16 @@ impl<S: Simd, P: Primitive> BlobLanes<S, P> {
     }
 }
 
+/// How near blobs come at least where A(x − p) stays within `e` of `y`.
+#[inline(always)]
+pub(super) fn qmin<S: Simd>(simd: S, y: [f32x16<S>; 3], e: [f32x16<S>; 3]) -> f32x16<S> {
+    let near = xyz(
+        #[inline(always)]
+        |k| (y[k].abs() - e[k]).max(f32x16::splat(simd, 0.0)),
+    );
+    dot(near, near)
+}
+
 /// How near and far blobs are over a box.
 pub(super) struct Reached<S: Simd> {
     pub(super) qmin: f32x16<S>,
@@ -176,15 +186,11 @@ impl<S: Simd> Sums<S> {
         e: [f32x16<S>; 3],
     ) -> Reached<S> {
         let zero = f32x16::splat(simd, 0.0);
-        let near = xyz(
-            #[inline(always)]
-            |k| (y[k].abs() - e[k]).max(zero),
-        );
         let far = xyz(
             #[inline(always)]
             |k| y[k].abs() + e[k],
         );
-        let qmin = dot(near, near);
+        let qmin = qmin(simd, y, e);
         let g_most = (qmin * -1.0 + 1.0).max(zero);
         let g_least = (dot(far, far) * -1.0 + 1.0).max(zero);
         let (most, least) = (K::of_g(g_most), K::of_g(g_least));
@@ -285,18 +291,20 @@ fn center_and_half(bounds: Aabb) -> (Vec3, Vec3) {
     (bounds.center(), bounds.size() * 0.500_000_2)
 }
 
-/// Bounds of the field of `list` over `place`, the tight kind.
+/// Whether bounds of the field of `list` over `place`, of the tight kind, settle what is asked: `settled`
+/// is called with them, where blobs move several times with wider and wider ones, as long as it says so.
 #[inline(never)]
-pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
+pub(super) fn is_settled<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     list: &BlobList,
     place: &Place,
-) -> FieldBounds {
+    mut settled: impl FnMut(FieldBounds) -> bool,
+) -> bool {
     if list.stored.moves() {
-        return moving::field_bounds::<S, K, P>(simd, list, place);
+        return moving::is_settled::<S, K, P>(simd, list, place, settled);
     }
     let bounds = place.middle();
-    simd.vectorize(
+    let bounds = simd.vectorize(
         #[inline(always)]
         || {
             let (center, half) = center_and_half(bounds);
@@ -307,7 +315,8 @@ pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
             }
             sums.bounds(half, true)
         },
-    )
+    );
+    settled(bounds)
 }
 
 /// The field of `list` at a point, in the middle of the shutter.
@@ -341,9 +350,9 @@ pub(super) fn field_value<S: Simd, K: KernelShape, P: Primitive>(
     )
 }
 
-/// Writes the blobs of `from` that reach `place` to `to` and returns the field's bounds there. With
-/// `close` the bounds include those of second order about the centre, worth their cost once the box
-/// is no larger than the supports.
+/// Writes the blobs of `from` that reach `place` to `to` and returns whether the field's bounds there
+/// settle what is asked, as [`is_settled`]. With `close` the bounds include those of second order about
+/// the centre, worth their cost once the box is no larger than the supports.
 #[inline(never)]
 pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
@@ -351,13 +360,14 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
     place: &Place,
     close: bool,
     to: &mut BlobList,
-) -> FieldBounds {
+    mut settled: impl FnMut(FieldBounds) -> bool,
+) -> bool {
     if from.stored.moves() {
-        return moving::filter::<S, K, P>(simd, from, place, close, to);
+        return moving::filter::<S, K, P>(simd, from, place, close, to, settled);
     }
     let bounds = place.middle();
     to.reset::<P>(from.stored, from.count);
-    let result = simd.vectorize(
+    let bounds_there = simd.vectorize(
         #[inline(always)]
         || {
             let (center, half) = center_and_half(bounds);
@@ -380,5 +390,5 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
         },
     );
     to.pad::<P>();
-    result
+    settled(bounds_there)
 }

@@ -1,7 +1,7 @@
 //! Finishes a leaf: proves it solid if it is, shaves faces that hold no surface, packs its blobs.
 
 use super::build::BuildContext;
-use super::filter::{field_bounds, filter};
+use super::filter::{filter, is_settled};
 use super::layout::{Block, Columns, LANES, LeafHeader};
 use super::list::BlobList;
 use super::place::Place;
@@ -39,8 +39,8 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
             let mut shaved = trimmed;
             for fraction in SHAVES {
                 let [slab, rest] = trimmed.cut(axis, fraction, upper_face);
-                let bounds = field_bounds::<S, K, P>(simd, list, &slab.padded(context.pad));
-                if !context.settled(bounds) {
+                let slab = slab.padded(context.pad);
+                if !is_settled::<S, K, P>(simd, list, &slab, |bounds| context.settled(bounds)) {
                     break;
                 }
                 shaved = rest;
@@ -48,8 +48,9 @@ pub(super) fn finish_leaf<S: Simd, K: KernelShape, P: Primitive>(
             trimmed = shaved;
         }
     }
-    let bounds = filter::<S, K, P>(simd, list, &trimmed.padded(context.pad), true, kept);
-    if kept.count == 0 || context.settled(bounds) {
+    let place = trimmed.padded(context.pad);
+    let is_settled = filter::<S, K, P>(simd, list, &place, true, kept, |b| context.settled(b));
+    if kept.count == 0 || is_settled {
         return None;
     }
     let block = blocks.len() as u32;
@@ -66,7 +67,7 @@ fn octants_are_settled<S: Simd, K: KernelShape, P: Primitive>(
 ) -> bool {
     (0..8).all(|octant| {
         let place = cell.octant(octant).padded(context.pad);
-        context.settled(field_bounds::<S, K, P>(simd, list, &place))
+        is_settled::<S, K, P>(simd, list, &place, |bounds| context.settled(bounds))
     })
 }
 

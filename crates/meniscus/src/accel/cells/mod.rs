@@ -234,7 +234,8 @@ impl Cells {
             // Most of them reach it at some time only by the box of their whole way.
             let mut reaching = BlobList::default();
             list.pieces = 1;
-            filter::filter::<S, K, P>(simd, &list, &place.padded(pad), false, &mut reaching);
+            let place = place.padded(pad);
+            filter::filter::<S, K, P>(simd, &list, &place, false, &mut reaching, |_| false);
             list = reaching;
         }
         let builder = Builder::<K, P>::new(&self.context, leave_deep);

@@ -6,7 +6,7 @@
 //! E = |A|(half + h|ḣalf|) + h|A·r| + h²|A·a'| of A·d, and bounds follow as for boxes at rest; those over
 //! the shutter are the widest of its pieces.
 
-use super::filter::{BlobLanes, FieldBounds, Sums};
+use super::filter::{BlobLanes, FieldBounds, Sums, qmin};
 use super::layout::LANES;
 use super::list::{BlobList, copy_lanes, lanes_at};
 use super::place::Place;
@@ -16,7 +16,7 @@ use crate::math::number::Number;
 use crate::math::simd::{splat3, xyz};
 use crate::primitive::{Primitive, Shapes, dot};
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x16, mask32x16};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -117,25 +117,59 @@ pub(super) fn way_spacings(field: &BlobField, span: Span) -> f32 {
     2.0 * (squares / field.len() as f64).sqrt() as f32 / field.spacing
 }
 
+/// How sixteen blobs of a list move against a box.
+struct Ways<S: Simd> {
+    /// Velocity against it, in the middle of the shutter, and half the acceleration.
+    velocity: [f32x16<S>; 3],
+    bend: [f32x16<S>; 3],
+    /// Lanes with a blob.
+    is_blob: mask32x16<S>,
+}
+
+impl<S: Simd> Ways<S> {
+    #[inline(always)]
+    fn new<P: Primitive>(simd: S, list: &BlobList, drift: [f32x16<S>; 3], at: usize) -> Self {
+        let [_, velocity, bend] = motion_at::<S, P>(simd, list, at);
+        let blobs = LANES.min(list.count - at);
+        Self {
+            velocity: xyz(
+                #[inline(always)]
+                |k| velocity[k] - drift[k],
+            ),
+            bend,
+            is_blob: mask32x16::from_bitmask(simd, (1 << blobs) - 1),
+        }
+    }
+}
+
 /// In how many pieces of the shutter bounds over parts of `place` are best taken.
-pub(super) fn pieces_for<P: Primitive>(list: &BlobList, place: &Place, support: f32) -> usize {
+pub(super) fn pieces_for<S: Simd, P: Primitive>(
+    simd: S,
+    list: &BlobList,
+    place: &Place,
+    support: f32,
+) -> usize {
     if !list.stored.moves() || place.middle().size().max_element() > ONE_PIECE_SIDE * support {
         return 1;
     }
-    let first = list.stored.motion_at::<P>();
-    let drift = place.drift();
-    let mut squares = 0.0;
-    for k in 0..3 {
-        let velocities = &list.columns[first + k][..list.count];
-        for velocity in velocities {
-            squares += (velocity - drift[k]).powi(2);
-        }
-        if list.stored.is_accelerated() {
-            for bend in &list.columns[first + 3 + k][..list.count] {
-                squares += 4.0 * bend * bend;
+    let drift = place.drift().to_array();
+    let squares = simd.vectorize(
+        #[inline(always)]
+        || {
+            let drift: [f32x16<S>; 3] = splat3(simd, drift);
+            let zero = f32x16::splat(simd, 0.0);
+            let mut squares = zero;
+            for at in (0..list.count).step_by(LANES) {
+                let ways = Ways::new::<P>(simd, list, drift, at);
+                let mut square = dot(ways.velocity, ways.velocity);
+                if list.stored.is_accelerated() {
+                    square += dot(ways.bend, ways.bend) * 4.0;
+                }
+                squares += ways.is_blob.select(square, zero);
             }
-        }
-    }
+            squares.reduce_sum()
+        },
+    );
     let way = 2.0 * (squares / list.count.max(1) as f32).sqrt();
     let wanted = way / (PIECE_SUPPORTS * support);
     // Also where it is not a number.
@@ -150,19 +184,40 @@ pub(super) fn pieces_for<P: Primitive>(list: &BlobList, place: &Place, support: 
 /// be crossed by more blobs.
 const SIZE_OF_WAY: f32 = 0.5;
 
-/// By how much motion against `place` widens the blob of `list` in row `i`, as far as leaves are measured
-/// by supports.
-pub(super) fn widening<P: Primitive>(list: &BlobList, place: &Place, i: usize) -> f32 {
-    if !list.stored.moves() {
-        return 0.0;
-    }
-    let first = list.stored.motion_at::<P>();
-    let rates = |from: usize| Vec3::from_array([0, 1, 2].map(|k| list.columns[from + k][i]));
-    let mut way = (rates(first) - place.drift()).length();
-    if list.stored.is_accelerated() {
-        way += rates(first + 3).length();
-    }
-    2.0 * SIZE_OF_WAY * way
+/// The smallest support of the blobs of `list`, each widened by how it moves against `place`: what leaves
+/// are measured by. `support_of` takes a shape.
+pub(super) fn leaf_scale<S: Simd, P: Primitive>(
+    simd: S,
+    list: &BlobList,
+    place: &Place,
+    support_of: impl Fn(&[f32]) -> f32,
+) -> f32 {
+    let drift = place.drift().to_array();
+    let common = list.stored.shape.map(|shape| support_of(&shape));
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let drift: [f32x16<S>; 3] = splat3(simd, drift);
+            let none = f32x16::splat(simd, f32::INFINITY);
+            let mut least = none;
+            for at in (0..list.count).step_by(LANES) {
+                let ways = Ways::new::<P>(simd, list, drift, at);
+                let mut way = dot(ways.velocity, ways.velocity).sqrt();
+                if list.stored.is_accelerated() {
+                    way += dot(ways.bend, ways.bend).sqrt();
+                }
+                let mut supports = [common.unwrap_or(f32::INFINITY); LANES];
+                if common.is_none() {
+                    for i in at..list.count.min(at + LANES) {
+                        supports[i - at] = support_of(&list.shape::<P>(i));
+                    }
+                }
+                let scale = way * (2.0 * SIZE_OF_WAY) + f32x16::from_slice(simd, &supports);
+                least = ways.is_blob.select(scale, none).min(least);
+            }
+            least.reduce_min()
+        },
+    )
 }
 
 /// How far the blobs near the middle of `place` move along `axis` between the middle of the shutter and
@@ -183,6 +238,14 @@ pub(super) fn drift<P: Primitive>(list: &BlobList, place: &Place, axis: usize) -
         count += counts;
     }
     if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// Blobs against a box during one piece of the shutter: A(x − p) stays within `e` of `y`, and the box
+/// moves against them at `r`.
+struct Against<S: Simd> {
+    y: [f32x16<S>; 3],
+    e: [f32x16<S>; 3],
+    r: [f32x16<S>; 3],
 }
 
 /// A box during one piece of the shutter.
@@ -222,15 +285,14 @@ impl<S: Simd> Piece<S> {
         }
     }
 
-    /// Adds sixteen blobs; returns their qmin.
+    /// Where sixteen blobs are.
     #[inline(always)]
-    fn add<K: KernelShape, P: Primitive>(
-        &mut self,
+    fn against<P: Primitive>(
+        &self,
         simd: S,
         blobs: &BlobLanes<S, P>,
         [place, velocity, bend]: &[[f32x16<S>; 3]; 3],
-        close: bool,
-    ) -> f32x16<S> {
+    ) -> Against<S> {
         let d = xyz(
             #[inline(always)]
             |k| {
@@ -244,8 +306,7 @@ impl<S: Simd> Piece<S> {
         );
         let y = blobs.transformed(d);
         let (turned, bent) = (blobs.transformed(r), blobs.transformed(*bend));
-        let half: [f32x16<S>; 3] = splat3(simd, self.half.to_array());
-        let still = blobs.extent(half);
+        let still = blobs.extent(splat3(simd, self.half.to_array()));
         let h = self.reach;
         let e = xyz(
             #[inline(always)]
@@ -254,16 +315,35 @@ impl<S: Simd> Piece<S> {
                 Number::mul_add(turned, h, still[k])
             },
         );
+        Against { y, e, r }
+    }
+
+    /// Adds sixteen blobs; returns their qmin.
+    #[inline(always)]
+    fn add<K: KernelShape, P: Primitive>(
+        &mut self,
+        simd: S,
+        blobs: &BlobLanes<S, P>,
+        motion: &[[f32x16<S>; 3]; 3],
+        close: bool,
+    ) -> f32x16<S> {
+        let Against { y, e, r } = self.against::<P>(simd, blobs, motion);
         let reached = self.sums.add_reached::<K, P>(simd, blobs, y, e);
         if close {
-            let length =
-                (dot(half, half)).sqrt() + (dot(r, r).sqrt() + dot(*bend, *bend).sqrt() * h) * h;
-            let reach = length * length * 0.5;
+            let (h, bend, half) = (self.reach, motion[2], self.half.to_array());
+            let away = xyz(
+                #[inline(always)]
+                |k| {
+                    let speed = Number::mul_add(bend[k].abs(), h, r[k].abs());
+                    Number::mul_add(speed, h, f32x16::splat(simd, half[k]))
+                },
+            );
+            let reach = dot(away, away) * 0.5;
             let gradient = self
                 .sums
                 .add_close::<K, P>(simd, blobs, y, &reached, Some(reach));
             self.along += dot(gradient, r);
-            self.bent += dot(gradient, *bend).abs();
+            self.bent += dot(gradient, bend).abs();
         }
         reached.qmin
     }
@@ -296,13 +376,15 @@ fn motion_at<S: Simd, P: Primitive>(simd: S, list: &BlobList, at: usize) -> [[f3
     ]
 }
 
-/// [`super::filter::field_bounds`] for blobs that move.
+/// [`super::filter::is_settled`] for blobs that move: what one piece of the shutter leaves open, the
+/// others do not settle.
 #[inline(never)]
-pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
+pub(super) fn is_settled<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     list: &BlobList,
     place: &Place,
-) -> FieldBounds {
+    mut settled: impl FnMut(FieldBounds) -> bool,
+) -> bool {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -315,10 +397,12 @@ pub(super) fn field_bounds<S: Simd, K: KernelShape, P: Primitive>(
                     let motion = motion_at::<S, P>(simd, list, at);
                     piece.add::<K, P>(simd, &blobs, &motion, true);
                 }
-                let here = piece.bounds(true, 1.0 / pieces as f32);
-                bounds = bounds.or(here);
+                bounds = bounds.or(piece.bounds(true, 1.0 / pieces as f32));
+                if !settled(bounds) {
+                    return false;
+                }
             }
-            bounds
+            true
         },
     )
 }
@@ -331,13 +415,15 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
     place: &Place,
     close: bool,
     to: &mut BlobList,
-) -> FieldBounds {
+    mut settled: impl FnMut(FieldBounds) -> bool,
+) -> bool {
     to.reset::<P>(from.stored, from.count);
     let chunks = from.count.div_ceil(LANES);
     let mut reached = std::mem::take(&mut to.reached);
     reached.clear();
     reached.resize(chunks, 0_u16);
     let mut bounds = FieldBounds::NONE;
+    let mut is_settled = true;
     simd.vectorize(
         #[inline(always)]
         || {
@@ -346,19 +432,30 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
             for piece in 0..pieces {
                 let mut piece = Piece::new(simd, place, piece, pieces);
                 for (chunk, reached) in reached.iter_mut().enumerate() {
+                    if !is_settled && *reached == u16::MAX {
+                        continue;
+                    }
                     let at = chunk * LANES;
                     let blobs = BlobLanes::<S, P>::new(simd, from, at);
                     let motion = motion_at::<S, P>(simd, from, at);
-                    let qmin = piece.add::<K, P>(simd, &blobs, &motion, close);
+                    let qmin = if is_settled {
+                        piece.add::<K, P>(simd, &blobs, &motion, close)
+                    } else {
+                        // What is left to be known is who reaches the box.
+                        let Against { y, e, .. } = piece.against::<P>(simd, &blobs, &motion);
+                        qmin(simd, y, e)
+                    };
                     *reached |= qmin.simd_lt(one).to_bitmask() as u16;
                 }
-                let here = piece.bounds(close, 1.0 / pieces as f32);
-                bounds = bounds.or(here);
+                if is_settled {
+                    bounds = bounds.or(piece.bounds(close, 1.0 / pieces as f32));
+                    is_settled = settled(bounds);
+                }
             }
             let mut count = 0;
             for (chunk, &bits) in reached.iter().enumerate() {
                 if bits != 0 {
-                    let mask = fearless_simd::mask32x16::from_bitmask(simd, u64::from(bits));
+                    let mask = mask32x16::from_bitmask(simd, u64::from(bits));
                     copy_lanes(simd, from, chunk * LANES, mask, to, count);
                     count += bits.count_ones() as usize;
                 }
@@ -368,5 +465,5 @@ pub(super) fn filter<S: Simd, K: KernelShape, P: Primitive>(
     );
     to.reached = reached;
     to.pad::<P>();
-    bounds
+    is_settled
 }
