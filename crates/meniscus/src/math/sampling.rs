@@ -7,7 +7,7 @@
 
 mod shutter;
 
-pub use shutter::{TIME_BLOCK, part_of_shutter};
+pub use shutter::{Moments, TIME_BLOCK};
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
@@ -51,6 +51,15 @@ impl PixelSampler {
     pub fn next_2d(&mut self) -> [f64; 2] {
         let seed = self.next_seed();
         plane_point(self.index, seed)
+    }
+
+    /// The next number in [0, 1), of which nothing is known from those of other samples: cheaper than
+    /// [`PixelSampler::next_1d`].
+    pub fn next_unordered(&mut self) -> f64 {
+        self.drawn += 1;
+        let place = u64::from(self.drawn) | u64::from(self.index + 1) << 32;
+        // As many bits as an f32 holds, so that graphics cards draw the same number.
+        f64::from((mix(self.pixel_seed ^ place) >> 40) as u32) * 2_f64.powi(-24)
     }
 
     /// The next `count` points in [0, 1)², stratified among themselves and with those of the pixel's

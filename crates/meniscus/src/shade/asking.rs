@@ -9,7 +9,7 @@ use crate::intersect::{BlobTracer, Hit};
 use crate::math::ray::Ray;
 use std::cell::{RefCell, RefMut};
 use std::ops::Range;
-use std::pin::pin;
+use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
 /// Answers questions about the surfaces of a frame.
@@ -70,8 +70,7 @@ impl Ask for AtOnce<'_> {
 }
 
 /// The result of work that asks [`AtOnce`], which never waits.
-pub(super) fn run<T>(work: impl Future<Output = T>) -> T {
-    let mut work = pin!(work);
+pub(super) fn run<T>(mut work: Pin<&mut impl Future<Output = T>>) -> T {
     let mut context = Context::from_waker(Waker::noop());
     loop {
         if let Poll::Ready(result) = work.as_mut().poll(&mut context) {

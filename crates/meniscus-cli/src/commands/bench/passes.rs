@@ -303,7 +303,7 @@ fn in_blocks(width: u32, height: u32) -> Vec<[u32; 2]> {
 }
 
 /// How much of the shutter's time is over when the first of `spp` samples of a pixel is taken: dealt as
-/// [`meniscus::math::sampling::part_of_shutter`] does, by simpler random numbers.
+/// [`meniscus::math::sampling::Moments`] does, by simpler random numbers.
 #[inline(always)]
 fn part_of_shutter([x, y]: [u32; 2], spp: u32) -> f64 {
     let random = |x: u32, y: u32| {

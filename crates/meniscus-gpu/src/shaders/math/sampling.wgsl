@@ -100,6 +100,12 @@ fn draw_1d(sampler: PixelSampler, draw: u32) -> f32 {
     return sobol(sampler.index, draw_seed(sampler, draw), false).x;
 }
 
+// Of which nothing is known from other samples' numbers.
+fn draw_unordered(sampler: PixelSampler, draw: u32) -> f32 {
+    let bits = mix_bits(sampler.seed ^ vec2u(draw + 1u, sampler.index + 1u)).y;
+    return f32(bits >> 8u) * (1.0 / 16777216.0);
+}
+
 fn draw_2d(sampler: PixelSampler, draw: u32) -> vec2f {
     return sobol(sampler.index, draw_seed(sampler, draw), true);
 }

@@ -16,7 +16,7 @@ const BLOCK_SEED: u32 = 0x1b873593u;
 
 // How much of the shutter's time is over: twin of math/sampling/shutter.rs.
 fn part_of_shutter(pixel: vec2u, sample: u32) -> f32 {
-    let own = draw_1d(pixel_sampler(pixel, sample, picture.seed ^ PIXEL_SEED), 0u);
+    let own = draw_unordered(pixel_sampler(pixel, sample, picture.seed ^ PIXEL_SEED), 0u);
     let block = pixel_sampler(pixel / TIME_BLOCK, sample, picture.seed ^ BLOCK_SEED);
     return (floor(draw_1d(block, 0u) * picture.time_strata) + own) / picture.time_strata;
 }

@@ -223,7 +223,7 @@ fn times_cover_the_shutter_in_every_pixel_and_agree_in_blocks() {
     for spp in [1_u32, 2, 3, 16, 24] {
         let strata = 1_u32 << spp.ilog2();
         let stratum = |pixel, sample| {
-            let part = part_of_shutter(pixel, sample, spp, 5);
+            let part = Moments::new(spp, 5).part_of_shutter(pixel, sample);
             assert!((0.0..1.0).contains(&part));
             (part * f64::from(strata)) as u32
         };
@@ -238,9 +238,11 @@ fn times_cover_the_shutter_in_every_pixel_and_agree_in_blocks() {
         }
     }
     // Blocks take strata in other orders, and pixels of a block other places in one.
-    let part = |pixel| part_of_shutter(pixel, 0, 16, 5);
-    let first = |k: u32| (part([4 * k, 0]) * 16.0) as u32;
-    assert!((1..9).any(|k| first(k) != first(0)));
+    let mut moments = Moments::new(16, 5);
+    let mut part = |pixel| moments.part_of_shutter(pixel, 0);
+    let mut first = |k: u32| (part([4 * k, 0]) * 16.0) as u32;
+    let of_origin = first(0);
+    assert!((1..9).any(|k| first(k) != of_origin));
     assert!(part([0, 0]) != part([1, 0]));
     let mean = (0..4096).map(|k| part([k, 8])).sum::<f64>() / 4096.0;
     assert!((mean - 0.5).abs() < 0.04, "{mean}");

@@ -7,9 +7,9 @@ use crate::frame::{Frame, Geometry};
 use crate::intersect::{BlobTracer, Hit};
 use crate::math::aabb::DAabb;
 use crate::math::ray::{Ray, Side};
-use crate::math::sampling::{PixelSampler, part_of_shutter};
+use crate::math::sampling::{Moments, PixelSampler};
+use crate::render::RenderError;
 use crate::render::noise::TileNoise;
-use crate::render::{RenderError, RenderSettings};
 use crate::shade::{EyeRays, Seen, ShadeScratch};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
@@ -33,8 +33,9 @@ where
     }
 
     /// The eye's ray of a sample.
-    pub(super) fn eye_ray(&self, start: &Start) -> Ray {
-        let secs = self.time_secs(start.pixel, start.sample);
+    #[inline]
+    pub(super) fn eye_ray(&self, start: &Start, moments: &mut Moments) -> Ray {
+        let secs = self.time_secs(start, moments);
         let ray = self.camera.ray_at(start.position, secs);
         let side = self.eye_side;
         let antialiases = self.settings.integrator.specular_antialiasing;
@@ -60,26 +61,32 @@ where
         for sample in first..(first + self.cut.samples).min(self.settings.spp) {
             for y in top..(top + self.cut.block_side).min(height) {
                 for x in left..(left + self.cut.block_side).min(width) {
-                    let start = self.start([x, y], sample);
-                    block.eye.rays.push(self.eye_ray(&start));
-                    block.starts.push(start);
+                    block.starts.push(self.start([x, y], sample));
                 }
             }
         }
+        let mut moments = self.moments();
+        let starts = block.starts.iter();
+        let rays = starts.map(|start| self.eye_ray(start, &mut moments));
+        block.eye.rays.extend(rays);
         Ok(self
             .shader
             .find_first(self.tracer, &mut block.eye, scratch)?)
     }
 
-    /// When a sample is taken: by numbers of their own, so that nothing else of the sample depends on the
-    /// shutter.
-    pub(super) fn time_secs(&self, pixel: [u32; 2], sample: u32) -> f64 {
+    /// What deals samples their times: by numbers of their own, so that nothing else of a sample depends
+    /// on the shutter.
+    pub(super) fn moments(&self) -> Moments {
+        Moments::new(self.settings.spp, self.settings.seed)
+    }
+
+    /// When a sample is taken.
+    pub(super) fn time_secs(&self, start: &Start, moments: &mut Moments) -> f64 {
         let [open, close] = self.settings.shutter_secs;
         if open == close {
             return open;
         }
-        let RenderSettings { spp, seed, .. } = *self.settings;
-        open + (close - open) * part_of_shutter(pixel, sample, spp, seed)
+        open + (close - open) * moments.part_of_shutter(start.pixel, start.sample)
     }
 
     /// Adds what is wanted of `block`: `samples` of the pixels that lie in the film.

@@ -88,6 +88,7 @@ where
                 .collect();
             on_cpu += in_doubt.len() as u64;
             let mut again = self.redo(&in_doubt, (&mut *scratch, state)).into_iter();
+            let mut moments = self.moments();
             // In their order, so that sums over pixels are always the same.
             for ((pixel, sample), answer) in places.zip(&answers) {
                 match *answer {
@@ -103,7 +104,7 @@ where
                         hit,
                     } => {
                         let start = self.start(pixel, sample);
-                        let secs = self.time_secs(pixel, sample);
+                        let secs = self.time_secs(&start, &mut moments);
                         let hit = hit.map(|hit| hit_of(&hit, *origin));
                         let shader = &self.shader;
                         let seen = shader.seen_by_stages(radiance, is_covered, hit, secs, scratch);
@@ -132,7 +133,7 @@ where
         let alone = |&(pixel, sample): &Place, scratch: &mut ShadeScratch| {
             let mut start = self.start(pixel, sample);
             let mut eye = EyeRays::default();
-            eye.rays.push(self.eye_ray(&start));
+            eye.rays.push(self.eye_ray(&start, &mut self.moments()));
             let Ok(()) = self.shader.find_first(&OnCpu, &mut eye, scratch);
             let seen = self.shader.sample(&eye, 0, &mut start.sampler, scratch);
             (start, eye.rays[0].time, seen, scratch.attributes().to_vec())

@@ -19,6 +19,7 @@ use crate::math::sampling::PixelSampler;
 use crate::scene::{Background, IntegratorKind, IntegratorSettings};
 use ambient::Ambient;
 use glam::{DVec3, Vec3};
+use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
 /// Samples that are under way at a time where rays are traced many at a time: as many rays as keep a
@@ -175,9 +176,14 @@ impl<'a> Shader<'a> {
         sampler: &mut PixelSampler,
         scratch: &mut ShadeScratch,
     ) -> Seen {
-        let ask = AtOnce::new(self.world.frame, scratch);
-        ask.scratch().attributes.time_secs = eye.rays[index].time;
-        run(self.sample_by(&ask, eye, index, sampler))
+        scratch.attributes.time_secs = eye.rays[index].time;
+        let gathered = if self.settings.integrator.kind == IntegratorKind::Shaded {
+            self.shaded(eye, index, scratch)
+        } else {
+            let ask = AtOnce::new(self.world.frame, scratch);
+            run(pin!(self.ask_around(&ask, eye, index, sampler)))
+        };
+        self.seen(&eye.rays[index], gathered, scratch)
     }
 
     /// What rays of `eye` see, each with the random numbers of its sample; [`Shader::find_first`] has
@@ -197,10 +203,17 @@ impl<'a> Shader<'a> {
         scratch: &mut ShadeScratch,
         mut visit: impl FnMut(usize, &Seen, &[f32]),
     ) -> Result<(), T::Error> {
+        if self.settings.integrator.kind == IntegratorKind::Shaded {
+            for (index, mut sampler) in samples {
+                let seen = self.sample(eye, index, &mut sampler, scratch);
+                visit(index, &seen, scratch.attributes());
+            }
+            return Ok(());
+        }
         let desk = &Desk::new(self.world.frame, scratch);
         let mut context = Context::from_waker(Waker::noop());
         let mut samples = samples.map(|(index, mut sampler)| {
-            let work = async move { self.sample_by(desk, eye, index, &mut sampler).await };
+            let work = async move { self.ask_around(desk, eye, index, &mut sampler).await };
             (index, Box::pin(work))
         });
         let mut under_way = Vec::with_capacity(UNDER_WAY);
@@ -211,10 +224,12 @@ impl<'a> Shader<'a> {
                 return Ok(());
             }
             under_way.retain_mut(|(index, work)| {
-                desk.scratch().attributes.time_secs = eye.rays[*index].time;
+                let ray = &eye.rays[*index];
+                desk.scratch().attributes.time_secs = ray.time;
                 match work.as_mut().poll(&mut context) {
                     Poll::Pending => true,
-                    Poll::Ready(seen) => {
+                    Poll::Ready(gathered) => {
+                        let seen = self.seen(ray, gathered, &mut desk.scratch());
                         visit(*index, &seen, desk.scratch().attributes());
                         false
                     }
@@ -224,21 +239,26 @@ impl<'a> Shader<'a> {
         }
     }
 
-    async fn sample_by(
+    /// What an integrator finds that asks about further rays; `shaded` has its answers already.
+    async fn ask_around(
         &self,
         ask: &impl Ask,
         eye: &EyeRays,
         index: usize,
         sampler: &mut PixelSampler,
-    ) -> Seen {
+    ) -> Gathered {
         let (ray, first) = (&eye.rays[index], eye.hits[index]);
-        ask.scratch().rays.primary += 1;
-        let gathered = match self.settings.integrator.kind {
+        match self.settings.integrator.kind {
             IntegratorKind::Shaded => self.shaded(eye, index, &mut ask.scratch()),
             IntegratorKind::Whitted => self.whitted(ray, first, ask).await,
             IntegratorKind::Ao => self.ambient_occlusion(ray, first, sampler, ask).await,
             IntegratorKind::Path => self.path(ray, first, sampler, ask).await,
-        };
+        }
+    }
+
+    /// What a sample saw along the eye's ray, with what shows behind a faded ground.
+    fn seen(&self, ray: &Ray, gathered: Gathered, scratch: &mut ShadeScratch) -> Seen {
+        scratch.rays.primary += 1;
         let radiance = match &gathered.first {
             None => gathered.radiance,
             // A file without background keeps the whole ground for whoever composes it.
@@ -248,15 +268,21 @@ impl<'a> Shader<'a> {
                 gathered.radiance * opacity + self.world.behind(ray.direction) * (1.0 - opacity)
             }
         };
-        let gathered = Gathered {
-            radiance,
-            ..gathered
-        };
-        self.seen(&gathered, &mut ask.scratch())
+        self.seen_with_backdrop(
+            &Gathered {
+                radiance,
+                ..gathered
+            },
+            scratch,
+        )
     }
 
     /// What a sample saw whose radiance has what shows behind a faded ground.
-    pub(super) fn seen(&self, gathered: &Gathered, scratch: &mut ShadeScratch) -> Seen {
+    pub(super) fn seen_with_backdrop(
+        &self,
+        gathered: &Gathered,
+        scratch: &mut ShadeScratch,
+    ) -> Seen {
         scratch.attributes.all.clear();
         let Some((hit, color)) = gathered.first else {
             return Seen {

@@ -156,7 +156,7 @@ impl Shader<'_> {
             first,
             is_covered,
         };
-        self.seen(&gathered, scratch)
+        self.seen_with_backdrop(&gathered, scratch)
     }
 
     /// Whether light may go straight through clear surfaces on its way to others.
