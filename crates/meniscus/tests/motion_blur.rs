@@ -33,6 +33,12 @@ fn throws() -> Vec<Throw> {
     ]
 }
 
+/// Where they are at a time, at rest there.
+fn stopped(throws: &[Throw], t: f64) -> Vec<Throw> {
+    let place = |&[p, v, a]: &Throw| [p + v * t + a * (0.5 * t * t), DVec3::ZERO, DVec3::ZERO];
+    throws.iter().map(place).collect()
+}
+
 fn particles(throws: &[Throw]) -> Particles {
     let mut particles = Particles::from_positions(throws.iter().map(|throw| throw[0]).collect());
     for (place, name) in [(1, "velocity"), (2, "acceleration")] {
@@ -42,6 +48,8 @@ fn particles(throws: &[Throw]) -> Particles {
         let column = Column::new(name, 3, values.collect::<Vec<f32>>());
         particles.columns.push(column);
     }
+    let numbers: Vec<f32> = (1..=throws.len()).map(|number| number as f32).collect();
+    particles.columns.push(Column::new("number", 1, numbers));
     particles
 }
 
@@ -50,6 +58,7 @@ fn frame(throws: &[Throw], shutter_secs: [f64; 2]) -> Frame {
     surface.support = Some(0.7);
     surface.threshold = Some(0.3);
     surface.weights = Some(Weights::Unit);
+    surface.attributes = vec!["number".into()];
     let settings = surface.settings(&BlobSettings::default());
     let scene = Scene {
         surfaces: vec![surface],
@@ -105,10 +114,8 @@ fn blur_is_the_mean_of_what_stands_still_at_all_times() {
     let mut mean = vec![0.0; 2 * (SIZE[0] * SIZE[1]) as usize];
     for still in 0..STILLS {
         let t = open + (close - open) * (f64::from(still) + 0.5) / f64::from(STILLS);
-        let moved = |&[p, v, a]: &Throw| [p + v * t + a * (0.5 * t * t), DVec3::ZERO, DVec3::ZERO];
-        let there: Vec<Throw> = throws.iter().map(moved).collect();
         let one = picture(
-            &frame(&there, [0.0; 2]),
+            &frame(&stopped(&throws, t), [0.0; 2]),
             &settings(SAMPLES_OF_A_STILL, 7 + still, [0.0; 2]),
         );
         for (mean, value) in mean.iter_mut().zip(values(&one)) {
@@ -133,11 +140,33 @@ fn blur_is_the_mean_of_what_stands_still_at_all_times() {
 
 #[test]
 fn particles_at_rest_look_the_same_to_the_last_bit_under_an_open_shutter() {
-    let resting = |&[p, ..]: &Throw| [p, DVec3::ZERO, DVec3::ZERO];
-    let there: Vec<Throw> = throws().iter().map(resting).collect();
+    let there = stopped(&throws(), 0.0);
     let still = picture(&frame(&there, [0.0; 2]), &settings(16, 5, [0.0; 2]));
     let open = picture(&frame(&there, SHUTTER_SECS), &settings(16, 5, SHUTTER_SECS));
     assert_eq!(values(&still), values(&open));
+}
+
+#[test]
+fn attributes_are_those_of_the_moment() {
+    let t = 0.4;
+    let numbers = |throws: &[Throw], shutter_secs: [f64; 2], moment: f64| {
+        let attributes = [("number".to_owned(), 1)];
+        let settings = RenderSettings {
+            channels: Arc::new(ChannelSet::new(&["all"], &attributes).unwrap()),
+            ..settings(1, 5, [moment; 2])
+        };
+        plane(&picture(&frame(throws, shutter_secs), &settings), "number")
+    };
+    let moving = numbers(&throws(), SHUTTER_SECS, t);
+    let still = numbers(&stopped(&throws(), t), [0.0; 2], 0.0);
+    for (moving, still) in moving.iter().zip(&still) {
+        assert!((moving - still).abs() < 1e-3, "{moving} is not {still}");
+    }
+    for number in [1.0, 2.0, 3.0, 4.0] {
+        assert!(still.iter().any(|seen| (seen - number).abs() < 0.1));
+    }
+    let before = numbers(&throws(), SHUTTER_SECS, 0.0);
+    assert!(mean_difference(&before, &still) > 0.1);
 }
 
 #[test]

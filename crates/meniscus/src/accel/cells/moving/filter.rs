@@ -3,8 +3,9 @@
 //! The shutter's time s runs from −1 to 1 and is cut into pieces [u − h, u + h]. There the centre of the
 //! box less that of a blob is d + r·δ − a'·δ² with |δ| ≤ h, d their distance at u, r their relative
 //! velocity and a' half the blob's acceleration. So A(x − p) stays within
-//! E = |A|(half + h|ḣalf|) + h|A·r| + h²|A·a'| of A·d, and bounds follow as for boxes at rest; those over
-//! the shutter are the widest of its pieces.
+//! E = |A|(half + h|ḣalf|) + h|A·r| + h²|A·a'| of A·d, and bounds follow as for boxes at rest; those of
+//! second order with displacements of up to half + h|r| + h²|a'| along each axis. Bounds over the shutter
+//! are the widest of its pieces.
 
 use super::motion_at;
 use crate::accel::cells::filter::{BlobLanes, FieldBounds, Sums, qmin};
