@@ -1,64 +1,78 @@
 //! Many rays at once: slab of time by slab, sixteen at a time where they are coherent.
 
-use super::packet::{self, Outcome};
-use super::{closest_alone, occluded_alone};
+use super::prepare::Prepared;
+use super::{alone, packet};
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::{Cells, TimedCells};
 use crate::frame::Blobs;
-use crate::intersect::{BlobHit, Scratch};
+use crate::intersect::solve::Question;
+use crate::intersect::{BlobHit, Scratch, sweep};
 use crate::math::ray::Ray;
 
 /// What is asked of each ray.
-pub trait Answer: Copy {
-    /// Whether any crossing will do.
-    const ANY: bool;
+pub(in crate::intersect) trait Answer: Copy {
+    /// Whether the first crossing is wanted, or any.
+    const QUESTION: Question;
     /// There is none.
     const NONE: Self;
 
-    /// What a packet found.
-    fn of_hit(t: f64, outward: [f32; 3], strongest: u32) -> Self;
+    /// There is this one.
+    fn of(hit: BlobHit) -> Self;
 
-    /// Of a traceable ray by itself.
-    fn alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Self;
+    /// By engine `sweep`.
+    fn by_sweep(blobs: &Blobs, ray: &Ray, scratch: &mut Scratch) -> Self;
 }
 
 /// The first crossing.
 impl Answer for Option<BlobHit> {
-    const ANY: bool = false;
+    const QUESTION: Question = Question::First;
     const NONE: Self = None;
 
     #[inline(always)]
-    fn of_hit(t: f64, outward: [f32; 3], strongest: u32) -> Self {
-        Some(BlobHit {
-            t,
-            outward: glam::Vec3::from_array(outward).as_dvec3(),
-            strongest,
-            entering: true,
-        })
+    fn of(hit: BlobHit) -> Self {
+        Some(hit)
     }
 
-    fn alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Self {
-        closest_alone(blobs, cells, ray, scratch)
+    fn by_sweep(blobs: &Blobs, ray: &Ray, scratch: &mut Scratch) -> Self {
+        sweep::first(blobs, blobs.exact_tree(), ray, scratch)
     }
 }
 
 /// Whether there is a crossing.
 impl Answer for bool {
-    const ANY: bool = true;
+    const QUESTION: Question = Question::Any;
     const NONE: Self = false;
 
     #[inline(always)]
-    fn of_hit(_: f64, _: [f32; 3], _: u32) -> Self {
+    fn of(_: BlobHit) -> Self {
         true
     }
 
-    fn alone(blobs: &Blobs, cells: &Cells, ray: &Ray, scratch: &mut Scratch) -> Self {
-        occluded_alone(blobs, cells, ray, scratch)
+    fn by_sweep(blobs: &Blobs, ray: &Ray, scratch: &mut Scratch) -> Self {
+        sweep::first(blobs, blobs.exact_tree(), ray, scratch).is_some()
     }
 }
 
+/// The answer for one object-space ray.
+pub(super) fn answer<A: Answer>(
+    blobs: &Blobs,
+    cells: &Cells,
+    ray: &Ray,
+    scratch: &mut Scratch,
+) -> A {
+    let mut answers = [A::NONE];
+    answer_few(
+        blobs,
+        cells,
+        std::slice::from_ref(ray),
+        &mut answers,
+        scratch,
+    );
+    answers[0]
+}
+
 /// Answers for object-space rays; those that lie close together and follow each other go faster.
-pub fn answer_many<A: Answer>(
+pub(in crate::intersect) fn answer_many<A: Answer>(
     blobs: &Blobs,
     cells: &TimedCells,
     rays: &[Ray],
@@ -113,27 +127,50 @@ fn answer_few<A: Answer>(
     answers: &mut [A],
     scratch: &mut Scratch,
 ) {
-    if !packet::may_be_coherent(cells, rays) {
-        for (ray, answer) in rays.iter().zip(answers) {
-            *answer = if ray.is_traceable() {
-                scratch.counters.rays += 1;
-                A::alone(blobs, cells, ray, scratch)
-            } else {
-                A::NONE
-            };
-        }
-        return;
-    }
-    let outcomes = packet::trace(blobs, cells, rays, A::ANY, scratch);
-    for ((ray, answer), outcome) in rays.iter().zip(answers).zip(outcomes) {
-        *answer = match outcome {
-            Outcome::Miss => A::NONE,
-            Outcome::Hit {
+    let Some(bounds) = &cells.bounds else {
+        scratch.counters.rays += rays.iter().filter(|ray| ray.is_traceable()).count() as u64;
+        return answers.fill(A::NONE);
+    };
+    let prepared = Prepared::of(blobs, cells, bounds, rays);
+    scratch.counters.rays += prepared.traceable;
+    answers.fill(A::NONE);
+    let mut alone = prepared.present;
+    if packet::may_be_coherent(cells, rays) {
+        let any = A::QUESTION == Question::Any;
+        let outcomes = packet::trace(blobs, cells, &prepared, any, scratch);
+        for (lane, (answer, outcome)) in answers.iter_mut().zip(outcomes).enumerate() {
+            if let packet::Outcome::Hit {
                 t,
                 outward,
                 strongest,
-            } => A::of_hit(t, outward, strongest),
-            Outcome::Alone => A::alone(blobs, cells, ray, scratch),
-        };
+            } = outcome
+            {
+                *answer = A::of(BlobHit {
+                    t: prepared.parameter(&rays[lane], lane, t),
+                    outward: glam::Vec3::from_array(outward).as_dvec3(),
+                    strongest,
+                    entering: true,
+                });
+            }
+            if outcome != packet::Outcome::Alone {
+                alone &= !(1 << lane);
+            }
+        }
+    }
+    if alone == 0 {
+        return;
+    }
+    let outcomes = alone::trace(blobs, cells, (&prepared, alone), A::QUESTION, scratch);
+    for (lane, (answer, outcome)) in answers.iter_mut().zip(outcomes).enumerate() {
+        match outcome {
+            alone::Outcome::Miss => {}
+            alone::Outcome::Hit(hit) => {
+                *answer = A::of(BlobHit {
+                    t: prepared.parameter(&rays[lane], lane, hit.t),
+                    ..hit
+                });
+            }
+            alone::Outcome::BeyondF32 => *answer = A::by_sweep(blobs, &rays[lane], scratch),
+        }
     }
 }

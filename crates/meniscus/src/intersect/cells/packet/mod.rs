@@ -10,10 +10,10 @@ mod few;
 mod gather;
 mod gradient;
 mod leaf;
-mod prepare;
 mod step;
 mod visit;
 
+use super::prepare::Prepared;
 use super::{CellsScratch, LeafView};
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
@@ -27,7 +27,6 @@ use crate::primitive::Primitive;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use gather::{ActiveLanes, Alike};
-use prepare::Prepared;
 use visit::PacketStack;
 
 /// Largest difference of two unit directions of a packet, in each coordinate.
@@ -54,7 +53,7 @@ pub(super) enum Outcome {
     Miss,
     /// Its first crossing.
     Hit {
-        /// The caller's parameter; not found out where any crossing does.
+        /// The distance along the local ray; not found out where any crossing does.
         t: f64,
         /// −∇F there; likewise.
         outward: [f32; 3],
@@ -120,18 +119,18 @@ pub(super) fn may_be_coherent(cells: &Cells, rays: &[Ray]) -> bool {
     })
 }
 
-/// Traces up to sixteen rays and says what became of each.
+/// Traces the rays that go together and says what became of each.
 pub(super) fn trace(
     blobs: &Blobs,
     cells: &Cells,
-    rays: &[Ray],
+    prepared: &Prepared,
     any: bool,
     scratch: &mut Scratch,
 ) -> [Outcome; LANES] {
     let mut outcomes = [Outcome::Miss; LANES];
     specialised!(blobs, simd, K, P => simd.vectorize(
         #[inline(always)]
-        || trace_groups::<_, K, P>(simd, blobs, cells, rays, any, scratch, &mut outcomes)
+        || trace_groups::<_, K, P>(simd, blobs, cells, prepared, any, scratch, &mut outcomes)
     ));
     outcomes
 }
@@ -142,16 +141,11 @@ fn trace_groups<S: Simd, K: KernelShape, P: Primitive>(
     simd: S,
     blobs: &Blobs,
     cells: &Cells,
-    rays: &[Ray],
+    prepared: &Prepared,
     any: bool,
     scratch: &mut Scratch,
     outcomes: &mut [Outcome; LANES],
 ) {
-    let Some(bounds) = &cells.bounds else {
-        return;
-    };
-    let prepared = Prepared::new(blobs, cells, bounds, rays);
-    scratch.counters.rays += prepared.traceable;
     let alike = Alike::of::<P>(cells.stored());
     let job = Job {
         alike,
@@ -175,17 +169,12 @@ fn trace_groups<S: Simd, K: KernelShape, P: Primitive>(
             | 1 << leader;
         rest &= !group;
         if group.count_ones() as usize >= FEWEST {
-            let work = (&prepared, group);
+            let work = (prepared, group);
             if cells.stored().moves() {
                 trace_group::<S, K, P, true>(simd, (blobs, cells), &job, work, scratch, outcomes);
             } else {
                 trace_group::<S, K, P, false>(simd, (blobs, cells), &job, work, scratch, outcomes);
             }
-        }
-    }
-    for (lane, (outcome, ray)) in outcomes.iter_mut().zip(rays).enumerate() {
-        if let Outcome::Hit { t, .. } = outcome {
-            *t = prepared.parameter(ray, lane, *t);
         }
     }
 }

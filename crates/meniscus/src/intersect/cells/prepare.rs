@@ -4,9 +4,12 @@
 use crate::accel::cells::Cells;
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::traverse::TINY_COMPONENT;
+use crate::at_level;
 use crate::frame::Blobs;
+use crate::intersect::solve::LocalRay;
 use crate::math::aabb::Aabb;
 use crate::math::ray::{Ray, Side};
+use fearless_simd::Simd;
 use glam::DVec3;
 
 /// Rays in local coordinates with unit directions, moved to where they can first meet the cells.
@@ -24,7 +27,9 @@ pub(super) struct Prepared {
     per_unit: [f64; LANES],
     /// Lengths of the stretches.
     pub(super) length: [f32; LANES],
-    /// Times within the cells' span, from −1 to 1.
+    /// Seconds relative to the frame.
+    time_secs: [f64; LANES],
+    /// The same within the cells' span, from −1 to 1.
     pub(super) phase: [f32; LANES],
     /// Rays that can hit anything.
     pub(super) traceable: u64,
@@ -40,13 +45,20 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// Prepares up to sixteen rays; `bounds` is the cells' box.
+    pub(super) fn of(blobs: &Blobs, cells: &Cells, bounds: &Aabb, rays: &[Ray]) -> Self {
+        at_level!(blobs.level, simd => simd.vectorize(
+            #[inline(always)]
+            || Self::new(blobs, cells, bounds, rays)
+        ))
+    }
+
     #[inline(always)]
-    pub(super) fn new(blobs: &Blobs, cells: &Cells, bounds: &Aabb, rays: &[Ray]) -> Self {
+    fn new(blobs: &Blobs, cells: &Cells, bounds: &Aabb, rays: &[Ray]) -> Self {
         let mut origin = [[0.0_f64; LANES]; 3];
         let mut direction = [[1.0_f64; LANES]; 3];
         let (mut t_min, mut t_max) = ([0.0_f64; LANES], [-1.0_f64; LANES]);
         let mut traceable = 0;
-        let mut phases = [0.0; LANES];
+        let (mut times, mut phases) = ([0.0; LANES], [0.0; LANES]);
         if cells.stored().moves() {
             for (phase, ray) in phases.iter_mut().zip(rays) {
                 *phase = cells.phase(ray.time);
@@ -62,6 +74,7 @@ impl Prepared {
                 direction[axis][lane] = ray.direction[axis];
             }
             (t_min[lane], t_max[lane]) = (ray.t_min, ray.t_max);
+            times[lane] = ray.time;
         }
         let mut per_unit = [0.0_f64; LANES];
         for lane in 0..LANES {
@@ -127,6 +140,7 @@ impl Prepared {
             t_start: enter,
             per_unit,
             length,
+            time_secs: times,
             phase: phases,
             traceable,
             present,
@@ -179,6 +193,28 @@ impl Prepared {
             self.origin[1][lane],
             self.origin[2][lane],
         )
+    }
+
+    /// The ray of a lane that is present by itself.
+    #[inline(always)]
+    pub(super) fn local(&self, lane: usize) -> LocalRay {
+        let lane = lane % LANES;
+        let has = |lanes: u32| lanes >> lane & 1 == 1;
+        LocalRay {
+            origin: self.start(lane),
+            direction: DVec3::new(
+                self.direction[0][lane],
+                self.direction[1][lane],
+                self.direction[2][lane],
+            ),
+            t_start: self.t_start[lane],
+            length: self.length[lane],
+            starts_at_t_min: has(self.starts_at_t_min),
+            per_unit: self.per_unit[lane],
+            inside: has(self.inside),
+            time_secs: self.time_secs[lane],
+            side_is_proven: has(self.side_is_proven),
+        }
     }
 
     /// The caller's parameter of a point `along` the stretch of a lane.
