@@ -10,7 +10,7 @@ mod shutter;
 pub use shutter::{Moments, TIME_BLOCK};
 
 use glam::DVec3;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// The random numbers of one sample of one pixel, in a fixed order of dimensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -176,13 +176,16 @@ pub fn uniform_disk(u: [f64; 2]) -> [f64; 2] {
     if x == 0.0 && y == 0.0 {
         return [0.0; 2];
     }
-    let (radius, angle) = if x.abs() > y.abs() {
-        (x, FRAC_PI_4 * (y / x))
+    // In the half of the quadrants about x, or else about y.
+    let about_x = x.abs() > y.abs();
+    let (radius, other) = if about_x { (x, y) } else { (y, x) };
+    let (sin, cos) = (FRAC_PI_4 * (other / radius)).sin_cos();
+    let (along, across) = (radius * cos, radius * sin);
+    if about_x {
+        [along, across]
     } else {
-        (y, FRAC_PI_2 - FRAC_PI_4 * (x / y))
-    };
-    let (sin, cos) = angle.sin_cos();
-    [radius * cos, radius * sin]
+        [across, along]
+    }
 }
 
 /// A unit direction around the unit vector `normal`, with density cos θ/π (Malley's method).
@@ -190,7 +193,7 @@ pub fn cosine_hemisphere(normal: DVec3, u: [f64; 2]) -> DVec3 {
     let [x, y] = uniform_disk(u);
     let z = (1.0 - x * x - y * y).max(0.0).sqrt();
     let [tangent, bitangent] = tangents(normal);
-    (tangent * x + bitangent * y + normal * z).normalize()
+    tangent * x + bitangent * y + normal * z
 }
 
 /// A unit direction, uniform over the sphere.

@@ -147,7 +147,8 @@ impl Bench<'_> {
     /// A ray from a hit into the hemisphere above it.
     #[inline(always)]
     fn hemisphere_ray(&self, start: &Start) -> Ray {
-        let u = PixelSampler::new(start.pixel, 0, SEED).next_2d();
+        let mut sampler = PixelSampler::new(start.pixel, 0, SEED);
+        let u = [sampler.next_unordered(), sampler.next_unordered()];
         self.leaving_surface(start, cosine_hemisphere(start.normal, u))
     }
 

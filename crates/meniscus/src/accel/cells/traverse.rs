@@ -205,7 +205,6 @@ pub fn visit_leaves<'a, S: Simd, const MOVES: bool>(
         near: 0.0,
         far: ray.t_max,
     };
-    let mut next = current;
     let mut level = Level::top(cells);
     loop {
         if current.reference & LEAF != 0 {
@@ -255,26 +254,25 @@ pub fn visit_leaves<'a, S: Simd, const MOVES: bool>(
                 // The nearest goes on without the stack: what was just written could not be read back
                 // at once.
                 let top = pierced.count_ones() as usize - 1;
+                let mut nearest = 0;
                 let mut rest = pierced;
                 loop {
                     let slot = rest.trailing_zeros() as usize & 7;
                     let height = octant.height(node, pierced, slot);
-                    let visit = Visit {
+                    visits[(depth + height) % STACK] = Visit {
                         reference: node.children[slot],
                         near: near[slot],
                         far: far[slot],
                         level: current.level,
                     };
-                    visits[(depth + height) % STACK] = visit;
-                    if height == top {
-                        next = visit;
-                    }
+                    nearest = if height == top { slot } else { nearest };
                     rest &= rest - 1;
                     if rest == 0 {
                         break;
                     }
                 }
-                current = next;
+                current.reference = node.children[nearest];
+                (current.near, current.far) = (near[nearest], far[nearest]);
                 depth += top;
                 continue;
             }

@@ -91,15 +91,22 @@ pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
     segment: &Segment,
     active: &mut Active,
 ) -> f32 {
-    active.reserve(leaf.header.count);
     let stored = leaf.stored;
+    let common_beta = match stored.shape {
+        Some(shape) if !P::BETA_TURNS => Some(shape[0] * shape[0]),
+        _ => None,
+    };
+    let room = active.room(leaf.header.count, [common_beta, stored.weight]);
     let origin: [f32x16<S>; 3] = splat3(simd, segment.origin);
     let direction: [f32x16<S>; 3] = splat3(simd, segment.direction);
     let length = f32x16::splat(simd, segment.length);
     let zero = f32x16::splat(simd, 0.0);
     let mut upper = zero;
     let mut count = 0;
-    for chunk in leaf.chunks.chunks_exact(stored.blocks_per_chunk::<P>()) {
+    let per_chunk = stored.blocks_per_chunk::<P>();
+    let mut rest = leaf.chunks;
+    while let Some((chunk, behind)) = rest.split_at_checked(per_chunk) {
+        rest = behind;
         let w = xyz(
             #[inline(always)]
             |k| {
@@ -117,29 +124,23 @@ pub(super) fn gather<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
         let most = Number::neg_mul_add(line.beta * away, away, line.g0);
         let meets = most.simd_gt(zero);
         let bits = meets.to_bitmask();
-        if bits == 0 {
-            continue;
-        }
         let weight = weight_lanes::<S, P>(simd, stored, chunk);
         upper = Number::mul_add(weight.max(zero), K::of_g(most.max(zero)), upper);
         let end = count + LANES;
-        line.c
-            .compress(meets)
-            .store_slice(&mut active.c[count..end]);
-        let beta = if P::BETA_TURNS || stored.shape.is_none() {
-            line.beta.compress(meets)
-        } else {
-            line.beta
-        };
-        beta.store_slice(&mut active.beta[count..end]);
+        line.c.compress(meets).store_slice(&mut room.c[count..end]);
         line.g0
             .compress(meets)
-            .store_slice(&mut active.g0[count..end]);
-        let weight = match stored.weight {
-            Some(_) => weight,
-            None => weight.compress(meets),
-        };
-        weight.store_slice(&mut active.weight[count..end]);
+            .store_slice(&mut room.g0[count..end]);
+        if common_beta.is_none() {
+            line.beta
+                .compress(meets)
+                .store_slice(&mut room.beta[count..end]);
+        }
+        if stored.weight.is_none() {
+            weight
+                .compress(meets)
+                .store_slice(&mut room.weight[count..end]);
+        }
         count += bits.count_ones() as usize;
     }
     active.finish(count);

@@ -4,7 +4,7 @@ use super::gather::{center_lanes, lanes, shape_lanes, weight_lanes};
 use crate::accel::cells::layout::{Block, Columns};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
-use crate::math::simd::{splat3, xyz};
+use crate::math::simd::{index_of_largest, splat3, xyz};
 use crate::primitive::{Primitive, dot};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, u32x16};
@@ -57,13 +57,5 @@ pub(in crate::intersect) fn outward_and_strongest<S: Simd, K: KernelShape, P: Pr
         f64::from(sum[1].reduce_sum()),
         f64::from(sum[2].reduce_sum()),
     );
-    let (strengths, indices): ([f32; 16], [u32; 16]) = (best.to_array(), best_index.to_array());
-    let mut strongest = 0;
-    for lane in 1..16 {
-        let (a, b) = (strengths[lane], strengths[strongest]);
-        if a > b || (a == b && indices[lane] < indices[strongest]) {
-            strongest = lane;
-        }
-    }
-    (outward, indices[strongest])
+    (outward, index_of_largest(simd, best, best_index))
 }

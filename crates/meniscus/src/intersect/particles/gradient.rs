@@ -7,7 +7,7 @@ use crate::accel::particles::layout::{MOTION_COLUMNS, TURN_COLUMNS, columns, lea
 use crate::accel::particles::{LeafTimes, ParticleTree};
 use crate::kernel::KernelShape;
 use crate::math::number::Number;
-use crate::math::simd::xyz;
+use crate::math::simd::{index_of_largest, xyz};
 use crate::primitive::{Primitive, dot};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, u32x16};
@@ -125,15 +125,8 @@ impl NearHit {
             best = stronger.select(strength, best);
             best_index = stronger.select(index, best_index);
         }
-        let (strengths, indices): ([f32; LANES], [u32; LANES]) =
-            (best.to_array(), best_index.to_array());
-        let strongest = (1..LANES).fold(0, |strongest, lane| {
-            let (a, b) = (strengths[lane], strengths[strongest]);
-            let first = a == b && indices[lane] < indices[strongest];
-            if a > b || first { lane } else { strongest }
-        });
         let [x, y, z] = sum;
         let outward = Vec3::new(x.reduce_sum(), y.reduce_sum(), z.reduce_sum());
-        (outward.as_dvec3(), indices[strongest])
+        (outward.as_dvec3(), index_of_largest(simd, best, best_index))
     }
 }

@@ -156,7 +156,7 @@ impl Pool {
         length: f32,
         active: &mut Active,
     ) -> f32 {
-        active.reserve(self.count);
+        let room = active.room(self.count, [None; 2]);
         let zero = f32x16::splat(simd, 0.0);
         let (kept, mut met) = (self.count, 0);
         self.count = 0;
@@ -191,14 +191,11 @@ impl Pool {
             let reached = meets.select(K::of_g(most.max(zero)), zero);
             upper = Number::mul_add(weight.max(zero), reached, upper);
             let target = met..met + LANES;
-            c.compress(meets).store_slice(&mut active.c[target.clone()]);
+            c.compress(meets).store_slice(&mut room.c[target.clone()]);
             beta.compress(meets)
-                .store_slice(&mut active.beta[target.clone()]);
-            g0.compress(meets)
-                .store_slice(&mut active.g0[target.clone()]);
-            weight
-                .compress(meets)
-                .store_slice(&mut active.weight[target]);
+                .store_slice(&mut room.beta[target.clone()]);
+            g0.compress(meets).store_slice(&mut room.g0[target.clone()]);
+            weight.compress(meets).store_slice(&mut room.weight[target]);
             met += meets_bits.count_ones() as usize;
         }
         active.finish(met);

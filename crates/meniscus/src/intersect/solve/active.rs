@@ -13,23 +13,51 @@ pub(in crate::intersect) struct Active {
     pub(in crate::intersect) beta: Vec<f32>,
     pub(in crate::intersect) g0: Vec<f32>,
     pub(in crate::intersect) weight: Vec<f32>,
+    /// β and weight that all places of `beta` and `weight` hold, if they do.
+    common: [Option<f32>; 2],
+}
+
+/// The arrays of [`Active`], all of one length, while they are filled.
+pub(in crate::intersect) struct Room<'a> {
+    pub(in crate::intersect) c: &'a mut [f32],
+    pub(in crate::intersect) beta: &'a mut [f32],
+    pub(in crate::intersect) g0: &'a mut [f32],
+    pub(in crate::intersect) weight: &'a mut [f32],
 }
 
 impl Active {
-    /// Makes room for `largest` blobs, in whole chunks plus a spare one.
+    /// Room for `largest` blobs, in whole chunks plus a spare one. What all of them have in common,
+    /// [β, weight], is there already, and stays there from leaf to leaf.
     #[inline(always)]
-    pub(in crate::intersect) fn reserve(&mut self, largest: usize) {
-        let capacity = largest.next_multiple_of(LANES) + LANES;
-        if self.c.len() < capacity {
-            self.grow(capacity);
+    pub(in crate::intersect) fn room(
+        &mut self,
+        largest: usize,
+        common: [Option<f32>; 2],
+    ) -> Room<'_> {
+        let len = largest.next_multiple_of(LANES) + LANES;
+        if self.c.len() < len || self.common != common {
+            self.prepare(len, common);
+        }
+        Room {
+            c: &mut self.c[..len],
+            beta: &mut self.beta[..len],
+            g0: &mut self.g0[..len],
+            weight: &mut self.weight[..len],
         }
     }
 
     #[cold]
-    fn grow(&mut self, capacity: usize) {
+    fn prepare(&mut self, len: usize, common: [Option<f32>; 2]) {
+        let len = len.max(self.c.len());
         for column in [&mut self.c, &mut self.beta, &mut self.g0, &mut self.weight] {
-            column.resize(capacity, 0.0);
+            column.resize(len, 0.0);
         }
+        for (column, common) in [&mut self.beta, &mut self.weight].into_iter().zip(common) {
+            if let Some(common) = common {
+                column.fill(common);
+            }
+        }
+        self.common = common;
     }
 
     /// c, β, g₀ and weight of the sixteen blobs at `at`.
@@ -48,12 +76,8 @@ impl Active {
     #[inline(always)]
     pub(in crate::intersect) fn finish(&mut self, count: usize) {
         self.count = count;
-        // Lanes behind the last blob are read in whole chunks: weight 0 and a parabola that stays at 0.
-        let end = count + LANES;
-        self.weight[count..end].fill(0.0);
-        self.g0[count..end].fill(0.0);
-        self.beta[count..end].fill(0.0);
-        self.c[count..end].fill(0.0);
+        // Lanes behind the last blob are read in whole chunks: parabolas that stay at 0.
+        self.g0[count..count + LANES].fill(0.0);
     }
 
     /// Behind this place all blobs recede, so that their field falls; infinite where some weight is

@@ -2,7 +2,8 @@
 
 pub use fearless_simd::Level;
 
-use fearless_simd::{Simd, SimdBase};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, SimdBase, f32x16, u32x16};
 
 /// A level by name, as `--simd` takes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -107,4 +108,16 @@ pub fn splat3<S: Simd, V: SimdBase<S, Element = f32>>(simd: S, v: [f32; 3]) -> [
         V::splat(simd, v[1]),
         V::splat(simd, v[2]),
     ]
+}
+
+/// Of sixteen lanes the index that stands beside the largest strength; of several that are as large, the
+/// smallest.
+#[inline(always)]
+pub fn index_of_largest<S: Simd>(simd: S, strengths: f32x16<S>, indices: u32x16<S>) -> u32 {
+    let largest = f32x16::splat(simd, strengths.reduce_max());
+    let none = u32x16::splat(simd, u32::MAX);
+    strengths
+        .simd_eq(largest)
+        .select(indices, none)
+        .reduce_min()
 }
