@@ -194,6 +194,30 @@ impl Solver {
         if self.inside { -above } else { above }
     }
 
+    /// Whether the blobs, each where it is strongest on [from, to], do not reach the threshold together.
+    #[inline(always)]
+    fn stays_below<S: Simd, K: KernelShape>(
+        &self,
+        simd: S,
+        active: &Active,
+        from: f32,
+        to: f32,
+    ) -> bool {
+        if self.inside {
+            return false;
+        }
+        let zero = f32x16::splat(simd, 0.0);
+        let (from, to) = (f32x16::splat(simd, from), f32x16::splat(simd, to));
+        let mut upper = zero;
+        for at in (0..active.count).step_by(LANES) {
+            let [c, beta, g0, weight] = active.lanes(simd, at);
+            let away = c.max(from).min(to) - c;
+            let most = Number::neg_mul_add(beta * away, away, g0).max(zero);
+            upper = Number::mul_add(weight.max(zero), K::of_g(most), upper);
+        }
+        upper.reduce_sum() < self.threshold
+    }
+
     /// Bounds (−φ″, +φ″) over [from, to], from the blobs whose support meets it.
     #[inline(always)]
     pub(in crate::intersect) fn bend<S: Simd, K: KernelShape>(
@@ -268,10 +292,11 @@ impl FirstCrossing for Solver {
                 if falls_at_start {
                     let bends = self.bend::<S, K>(simd, active, segment.from, end);
                     if let Some(safe) = departure.until(bends, self.rounding) {
-                        if safe >= end {
+                        let safe = safe.max(segment.from);
+                        if safe >= end || self.stays_below::<S, K>(simd, active, safe, end) {
                             return Verdict::StaysOnSide;
                         }
-                        start = (safe.max(segment.from), end);
+                        start = (safe, end);
                         returning = false;
                     }
                 }
