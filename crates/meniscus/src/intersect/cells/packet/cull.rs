@@ -1,7 +1,8 @@
 //! Which blobs of a leaf a packet can meet at all, with lanes for blobs.
 //!
-//! The packet's segments lie within a tube about the line of one of its rays, of radius r. Where a
-//! blob's q stays above (1 + |A| r)² along that line, none of the rays reaches its support.
+//! The packet's segments lie within a box along its rays. A ball whose centre is farther from the box
+//! than its support reaches meets none of them. For ellipsoids the box is widened to a tube of radius r:
+//! where a blob's q stays above (1 + |A| r)² along the tube's axis, none of the rays reaches its support.
 
 use super::Lanes;
 use super::visit::{least, most};
@@ -14,82 +15,82 @@ use crate::primitive::{Primitive, dot};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
 
-/// Lanes to take the tube's axis from, the middle ones of four by four neighbours first.
-const MIDDLE: [usize; 4] = [5, 10, 6, 9];
-
 /// Rounding of q, with a margin.
 const Q_MARGIN: f32 = 1e-4;
 
-/// A tube that holds a packet's segments in a leaf.
-struct Tube {
-    origin: [f32; 3],
-    direction: [f32; 3],
-    radius: f32,
-    /// Where along the axis the segments lie.
-    from: f32,
-    to: f32,
+/// The axes of boxes about the rays of a packet.
+pub(super) struct Frame<S: Simd> {
+    /// Unit vectors at right angles: the direction of one of the rays, and two across.
+    axes: [[f32; 3]; 3],
+    /// How far each ray goes along them for its length.
+    along: [f32x16<S>; 3],
 }
 
-impl Tube {
+impl<S: Simd> Frame<S> {
+    /// For rays of these directions, `middle` being one of them.
     #[inline(always)]
-    fn new<S: Simd>(
-        simd: S,
-        lanes: &Lanes<'_, S>,
-        (mask, origin, length): (u32, [f32x16<S>; 3], f32x16<S>),
-    ) -> Self {
-        let mut middle = mask.trailing_zeros() as usize % LANES;
-        for lane in MIDDLE {
-            if mask >> lane & 1 == 1 {
-                middle = lane;
-                break;
-            }
-        }
-        let axis_origin = xyz(
-            #[inline(always)]
-            |k| {
-                let origin: [f32; LANES] = origin[k].to_array();
-                origin[middle]
-            },
-        );
-        let axis_direction = xyz(
-            #[inline(always)]
-            |k| lanes.prepared.direction_f32[k][middle],
-        );
-        let direction: [f32x16<S>; 3] = splat3(simd, axis_direction);
-        let start = xyz(
-            #[inline(always)]
-            |k| origin[k] - axis_origin[k],
-        );
-        let end = xyz(
-            #[inline(always)]
-            |k| Number::mul_add(lanes.direction[k], length, start[k]),
-        );
-        let (start_along, end_along) = (dot(start, direction), dot(end, direction));
-        let square =
-            square_away(start, start_along, direction).max(square_away(end, end_along, direction));
-        let mask = mask32x16::from_bitmask(simd, u64::from(mask));
+    pub(super) fn new(simd: S, directions: [f32x16<S>; 3], middle: [f32; 3]) -> Self {
+        let (across, other) = glam::Vec3::from_array(middle).any_orthonormal_pair();
+        let axes = [middle, across.to_array(), other.to_array()];
         Self {
-            origin: axis_origin,
-            direction: axis_direction,
-            radius: most(simd, mask, square).sqrt(),
-            from: least(simd, mask, start_along),
-            to: most(simd, mask, end_along),
+            axes,
+            along: xyz(
+                #[inline(always)]
+                |k| dot(directions, splat3(simd, axes[k])),
+            ),
         }
     }
 }
 
-/// Squared distance of points from a line through the origin.
-#[inline(always)]
-fn square_away<S: Simd>(
-    point: [f32x16<S>; 3],
-    along: f32x16<S>,
-    direction: [f32x16<S>; 3],
-) -> f32x16<S> {
-    let away = xyz(
-        #[inline(always)]
-        |k| point[k] - along * direction[k],
-    );
-    dot(away, away)
+/// A box that holds a packet's segments in a leaf, in the coordinates of a [`Frame`].
+struct Around {
+    middle: [f32; 3],
+    half: [f32; 3],
+}
+
+impl Around {
+    #[inline(always)]
+    fn new<S: Simd>(
+        simd: S,
+        frame: &Frame<S>,
+        (mask, origin, length): (u32, [f32x16<S>; 3], f32x16<S>),
+    ) -> Self {
+        let mask = mask32x16::from_bitmask(simd, u64::from(mask));
+        let ends = xyz(
+            #[inline(always)]
+            |k| {
+                let start = dot(origin, splat3(simd, frame.axes[k]));
+                let end = Number::mul_add(frame.along[k], length, start);
+                [
+                    least(simd, mask, start.min(end)),
+                    most(simd, mask, start.max(end)),
+                ]
+            },
+        );
+        Self {
+            middle: xyz(
+                #[inline(always)]
+                |k| 0.5 * (ends[k][0] + ends[k][1]),
+            ),
+            half: xyz(
+                #[inline(always)]
+                |k| 0.5 * (ends[k][1] - ends[k][0]),
+            ),
+        }
+    }
+
+    /// Its middle in the coordinates of the leaf.
+    #[inline(always)]
+    fn place<S: Simd>(&self, frame: &Frame<S>) -> [f32; 3] {
+        let column = xyz(
+            #[inline(always)]
+            |k| [frame.axes[0][k], frame.axes[1][k], frame.axes[2][k]],
+        );
+        xyz(
+            #[inline(always)]
+            |k| dot(self.middle, column[k]),
+        )
+    }
 }
 
 impl LeafView<'_> {
@@ -100,24 +101,28 @@ impl LeafView<'_> {
         &self,
         simd: S,
         lanes: &Lanes<'_, S>,
-        (mask, origin, length): (u32, [f32x16<S>; 3], f32x16<S>),
+        segments: (u32, [f32x16<S>; 3], f32x16<S>),
         kept: &mut Vec<u32>,
     ) -> usize {
         let room = self.header.count.next_multiple_of(LANES) + LANES;
         if kept.len() < room {
             kept.resize(room, 0);
         }
-        let tube = Tube::new(simd, lanes, (mask, origin, length));
-        let origin: [f32x16<S>; 3] = splat3(simd, tube.origin);
-        let direction: [f32x16<S>; 3] = splat3(simd, tube.direction);
-        let (from, to) = (f32x16::splat(simd, tube.from), f32x16::splat(simd, tube.to));
-        let one = f32x16::splat(simd, 1.0);
+        let kept = &mut kept[..room];
+        let frame = &lanes.frame;
+        let around = Around::new(simd, frame, segments);
+        let place: [f32x16<S>; 3] = splat3(simd, around.place(frame));
+        let [_, across, other] = around.half;
+        let radius = f32x16::splat(simd, (across * across + other * other).sqrt());
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let [first, last] = lanes.phases;
         let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
         let mut slots = u32x16::from_slice(simd, &SLOTS);
         let mut count = 0;
         let per_chunk = self.stored.blocks_per_chunk::<P>();
-        for chunk in self.chunks.chunks_exact(per_chunk) {
+        let mut rest = self.chunks;
+        while let Some((chunk, behind)) = rest.split_at_checked(per_chunk) {
+            rest = behind;
             let w = xyz(
                 #[inline(always)]
                 |k| {
@@ -126,31 +131,46 @@ impl LeafView<'_> {
                     } else {
                         column(simd, chunk, k)
                     };
-                    center - origin[k]
+                    center - place[k]
                 },
             );
             let shape = shape_lanes::<S, P>(simd, self.stored, chunk);
-            let line = P::along(&shape[..P::COLUMNS], w, direction);
-            let away = line.c.max(from).min(to) - line.c;
-            let q = one - line.g0 + line.beta * away * away;
-            let mut norm = shape[0] * shape[0];
-            for a in &shape[1..P::COLUMNS] {
-                norm = Number::mul_add(*a, *a, norm);
+            let mut reach = if MOVES {
+                self.way::<S, P>(simd, chunk, (middle, half))
+            } else {
+                zero
+            };
+            let (q, norm);
+            if P::BETA_TURNS {
+                let axis: [f32x16<S>; 3] = splat3(simd, frame.axes[0]);
+                let line = P::along(&shape[..P::COLUMNS], w, axis);
+                let far = f32x16::splat(simd, around.half[0]);
+                let away = line.c.max(-far).min(far) - line.c;
+                q = one - line.g0 + line.beta * away * away;
+                let mut square = shape[0] * shape[0];
+                for a in &shape[1..P::COLUMNS] {
+                    square = Number::mul_add(*a, *a, square);
+                }
+                norm = square.sqrt();
+                reach += radius;
+            } else {
+                let away = xyz(
+                    #[inline(always)]
+                    |k| {
+                        let along = dot(w, splat3(simd, frame.axes[k]));
+                        (along.abs() - around.half[k]).max(zero)
+                    },
+                );
+                norm = shape[0];
+                q = dot(away, away) * (norm * norm);
             }
-            let mut radius = f32x16::splat(simd, tube.radius);
-            if MOVES {
-                radius += self.way::<S, P>(simd, chunk, (middle, half));
-            }
-            let reach = Number::mul_add(norm.sqrt(), radius, one);
+            let reach = Number::mul_add(norm, reach, one);
             let limit = Number::mul_add(reach, reach, f32x16::splat(simd, Q_MARGIN));
             let meets = q.simd_lt(limit);
-            let bits = meets.to_bitmask();
-            if bits != 0 {
-                slots
-                    .compress(meets)
-                    .store_slice(&mut kept[count..count + LANES]);
-                count += bits.count_ones() as usize;
-            }
+            slots
+                .compress(meets)
+                .store_slice(&mut kept[count..count + LANES]);
+            count += meets.to_bitmask().count_ones() as usize;
             slots += 16;
         }
         count

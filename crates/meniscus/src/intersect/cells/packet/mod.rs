@@ -24,6 +24,7 @@ use crate::kernel::KernelShape;
 use crate::math::ray::Ray;
 use crate::math::simd::xyz;
 use crate::primitive::Primitive;
+use cull::Frame;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 use gather::{ActiveLanes, Alike};
@@ -69,6 +70,7 @@ struct Lanes<'a, S: Simd> {
     /// The same in f64.
     prepared: &'a Prepared,
     direction: [f32x16<S>; 3],
+    frame: Frame<S>,
     /// Starts and inverse directions, for slab tests, and −start times inverse direction.
     origin: [f32x16<S>; 3],
     inverse: [f32x16<S>; 3],
@@ -212,9 +214,15 @@ fn trace_group<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
     let leader = group.trailing_zeros() as usize % LANES;
     let origin = load3(simd, &origin);
     let inverse = load3(simd, &prepared.inverse);
+    let direction = load3(simd, &prepared.direction_f32);
+    let middle = xyz(
+        #[inline(always)]
+        |axis| prepared.direction_f32[axis][leader],
+    );
     let mut lanes = Lanes {
         prepared,
-        direction: load3(simd, &prepared.direction_f32),
+        direction,
+        frame: Frame::new(simd, direction, middle),
         origin,
         inverse,
         shift: xyz(
