@@ -52,13 +52,24 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive, const ALIKE
     let (mut crossed, mut unclear, mut rest) = (0, 0, todo);
     // Where φ has not reached 0 by then it never will.
     let rounding = extent * POSITION_NOISE;
-    let end = length.min(last_approach + rounding);
+    let turn = last_approach + rounding;
+    let end = length.min(turn);
     if at_start == 0 {
         if let [blob] = active.blobs() {
             return few::lone_blob::<S, K, P, ALIKE>(simd, job, blob, (todo, length));
         }
         at = few::first_support::<S, P, ALIKE>(simd, active);
         rest &= at.simd_le(length).to_bitmask() as u32;
+    } else {
+        // All blobs recede from a ray that leaves them.
+        rest &= !(at_start & turn.simd_le(zero).to_bitmask() as u32);
+        if rest == 0 {
+            return Stepped {
+                crossed,
+                unclear,
+                at,
+            };
+        }
     }
     for step in 0..MOST_STEPS {
         let (phi, slope) = sample::<S, K, P, ALIKE>(simd, job, active, at);
@@ -77,7 +88,6 @@ pub(super) fn first_crossings<S: Simd, K: KernelShape, P: Primitive, const ALIKE
             let near_surface = (phi + noise).simd_gt(zero).to_bitmask() as u32;
             let leaves = (depth + noise * 4.0).simd_lt(zero).to_bitmask() as u32
                 & !(inwards.to_bitmask() as u32);
-            let leaves = leaves | (last_approach + rounding).simd_le(zero).to_bitmask() as u32;
             let leaving = at_start & near_surface & leaves;
             unclear |= at_start & near_surface & !leaves;
             rest &= !unclear;
