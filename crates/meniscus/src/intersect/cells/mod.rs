@@ -35,7 +35,7 @@ pub struct CellsScratch {
     pub(super) fine_leaves: u64,
 }
 
-/// First crossing of a traceable object-space ray.
+/// First crossing of an object-space ray.
 pub fn closest(
     blobs: &Blobs,
     cells: &TimedCells,
@@ -45,7 +45,7 @@ pub fn closest(
     together::answer(blobs, cells.at(ray.time), ray, scratch)
 }
 
-/// Whether a traceable object-space ray has a crossing.
+/// Whether an object-space ray has a crossing.
 pub fn occluded(blobs: &Blobs, cells: &TimedCells, ray: &Ray, scratch: &mut Scratch) -> bool {
     together::answer(blobs, cells.at(ray.time), ray, scratch)
 }

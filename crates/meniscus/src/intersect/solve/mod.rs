@@ -2,6 +2,7 @@
 //! local form, the solver with its proof, and the care that a ray's own start takes.
 
 mod active;
+mod along;
 mod departure;
 mod fine;
 mod local;

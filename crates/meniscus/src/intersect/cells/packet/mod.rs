@@ -103,8 +103,8 @@ struct Job {
     any: bool,
 }
 
-/// Whether some rays point the same way at about the same time, so that it may pay to look closer. Those
-/// that start a bounce in all directions are told apart here, for less than it costs to prepare them.
+/// Whether some rays point the same way at about the same time, so that it may pay to look for groups.
+/// Those that start a bounce in all directions are told apart here, for less than that costs.
 pub(super) fn may_be_coherent(cells: &Cells, rays: &[Ray]) -> bool {
     let apart = cells.phases_together();
     [0, rays.len() / 2].into_iter().any(|leader| {
