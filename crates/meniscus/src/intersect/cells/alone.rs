@@ -2,9 +2,7 @@
 //! meets, and solves for the first change of side, with lanes for blobs and for samples.
 
 use super::gather::{Segment, gather};
-use super::prepare::Prepared;
 use super::{CellsScratch, LeafView, gradient};
-use crate::accel::cells::layout::LANES;
 use crate::accel::cells::traverse::visit_leaves;
 use crate::accel::cells::{Cells, Part};
 use crate::frame::Blobs;
@@ -28,52 +26,36 @@ pub(super) enum Outcome {
     BeyondF32,
 }
 
-/// Traces the rays of the lanes of `mask` and says what became of each.
+/// Traces rays and tells `became` what became of each, by its place among them.
 pub(super) fn trace(
     blobs: &Blobs,
     cells: &Cells,
-    (rays, mask): (&Prepared, u32),
-    question: Question,
+    (rays, question): (&[LocalRay], Question),
     scratch: &mut Scratch,
-) -> [Outcome; LANES] {
-    let mut outcomes = [Outcome::Miss; LANES];
-    let asked = (rays, mask, question);
+    became: &mut dyn FnMut(usize, Outcome),
+) {
     let of = (blobs, cells);
     if cells.stored().moves() {
         specialised!(blobs, simd, K, P => simd.vectorize(
             #[inline(always)]
-            || trace_each::<_, K, P, true>(simd, of, asked, scratch, &mut outcomes)
+            || for (place, ray) in rays.iter().enumerate() {
+                became(place, trace_one::<_, K, P, true>(simd, of, (ray, question), scratch));
+            }
         ));
     } else {
         specialised!(blobs, simd, K, P => simd.vectorize(
             #[inline(always)]
-            || trace_each::<_, K, P, false>(simd, of, asked, scratch, &mut outcomes)
+            || for (place, ray) in rays.iter().enumerate() {
+                became(place, trace_one::<_, K, P, false>(simd, of, (ray, question), scratch));
+            }
         ));
-    }
-    outcomes
-}
-
-#[inline(always)]
-fn trace_each<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
-    simd: S,
-    (blobs, cells): (&Blobs, &Cells),
-    (rays, mut rest, question): (&Prepared, u32, Question),
-    scratch: &mut Scratch,
-    outcomes: &mut [Outcome; LANES],
-) {
-    while rest != 0 {
-        let lane = rest.trailing_zeros() as usize % LANES;
-        rest &= rest - 1;
-        let asked = (&rays.local(lane), question);
-        outcomes[lane] = trace_one::<S, K, P, MOVES>(simd, blobs, cells, asked, scratch);
     }
 }
 
 #[inline(always)]
 fn trace_one<S: Simd, K: KernelShape, P: Primitive, const MOVES: bool>(
     simd: S,
-    blobs: &Blobs,
-    cells: &Cells,
+    (blobs, cells): (&Blobs, &Cells),
     (ray, question): (&LocalRay, Question),
     scratch: &mut Scratch,
 ) -> Outcome {

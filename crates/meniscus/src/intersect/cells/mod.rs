@@ -8,7 +8,7 @@ mod packet;
 mod prepare;
 mod together;
 
-use super::solve::{Active, Pending};
+use super::solve::{Active, LocalRay, Pending};
 use super::{BlobHit, Scratch};
 use crate::accel::cells::layout::{Block, Columns, LANES, LeafHeader};
 use crate::accel::cells::traverse::Stack;
@@ -20,6 +20,7 @@ use crate::primitive::Primitive;
 use crate::scene::Leaves;
 use glam::DVec3;
 use packet::PacketScratch;
+use prepare::Prepared;
 
 pub(super) use together::answer_many;
 
@@ -30,6 +31,9 @@ pub struct CellsScratch {
     active: Active,
     pending: Pending,
     packet: PacketScratch,
+    /// Rays that are asked together, and of these those that go alone; taken out while in use.
+    prepared: Option<Box<Prepared>>,
+    alone: Vec<LocalRay>,
     unpacked: Unpacked,
     /// Leaves with blobs too small for f32 that single rays have visited so far.
     pub(super) fine_leaves: u64,

@@ -13,6 +13,7 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 /// Rays in local coordinates with unit directions, moved to where they can first meet the cells.
+#[derive(Debug, Default)]
 pub(super) struct Prepared {
     /// Starts of the stretches that are traced, axis by axis.
     pub(super) origin: [[f64; LANES]; 3],
@@ -45,15 +46,15 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// Prepares up to sixteen rays; `bounds` is the cells' box.
-    pub(super) fn of(blobs: &Blobs, cells: &Cells, bounds: &Aabb, rays: &[Ray]) -> Self {
+    pub(super) fn fill(&mut self, blobs: &Blobs, cells: &Cells, bounds: &Aabb, rays: &[Ray]) {
         at_level!(blobs.level, simd => simd.vectorize(
             #[inline(always)]
-            || Self::new(blobs, cells, bounds, rays)
-        ))
+            || self.fill_lanes(blobs, cells, bounds, rays)
+        ));
     }
 
     #[inline(always)]
-    fn new(blobs: &Blobs, cells: &Cells, bounds: &Aabb, rays: &[Ray]) -> Self {
+    fn fill_lanes(&mut self, blobs: &Blobs, cells: &Cells, bounds: &Aabb, rays: &[Ray]) {
         let mut origin = [[0.0_f64; LANES]; 3];
         let mut direction = [[1.0_f64; LANES]; 3];
         let (mut t_min, mut t_max) = ([0.0_f64; LANES], [-1.0_f64; LANES]);
@@ -132,24 +133,14 @@ impl Prepared {
             present |= u32::from(meets) << lane;
             starts_at_t_min |= u32::from(enter[lane] <= t_min[lane]) << lane;
         }
-        let mut prepared = Self {
-            origin,
-            direction,
-            direction_f32,
-            inverse,
-            t_start: enter,
-            per_unit,
-            length,
-            time_secs: times,
-            phase: phases,
-            traceable,
-            present,
-            starts_at_t_min: starts_at_t_min & present,
-            inside: 0,
-            side_is_proven: 0,
-        };
-        prepared.settle_sides(blobs, rays);
-        prepared
+        (self.origin, self.direction) = (origin, direction);
+        (self.direction_f32, self.inverse) = (direction_f32, inverse);
+        (self.t_start, self.per_unit, self.length) = (enter, per_unit, length);
+        (self.time_secs, self.phase) = (times, phases);
+        (self.traceable, self.present) = (traceable, present);
+        self.starts_at_t_min = starts_at_t_min & present;
+        (self.inside, self.side_is_proven) = (0, 0);
+        self.settle_sides(blobs, rays);
     }
 
     /// On which side the rays start.

@@ -1,13 +1,15 @@
 //! Many rays at once: slab of time by slab, sixteen at a time where they are coherent.
 
-use super::prepare::Prepared;
 use super::{alone, packet};
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::{Cells, TimedCells};
 use crate::frame::Blobs;
-use crate::intersect::solve::Question;
+use crate::intersect::solve::{Question, local_ray};
 use crate::intersect::{BlobHit, Scratch, sweep};
 use crate::math::ray::Ray;
+
+/// Fewer rays are clipped one by one.
+const FEWEST_PREPARED: usize = 3;
 
 /// What is asked of each ray.
 pub(in crate::intersect) trait Answer: Copy {
@@ -127,50 +129,83 @@ fn answer_few<A: Answer>(
     answers: &mut [A],
     scratch: &mut Scratch,
 ) {
+    answers.fill(A::NONE);
     let Some(bounds) = &cells.bounds else {
         scratch.counters.rays += rays.iter().filter(|ray| ray.is_traceable()).count() as u64;
-        return answers.fill(A::NONE);
-    };
-    let prepared = Prepared::of(blobs, cells, bounds, rays);
-    scratch.counters.rays += prepared.traceable;
-    answers.fill(A::NONE);
-    let mut alone = prepared.present;
-    if packet::may_be_coherent(cells, rays) {
-        let any = A::QUESTION == Question::Any;
-        let outcomes = packet::trace(blobs, cells, &prepared, any, scratch);
-        for (lane, (answer, outcome)) in answers.iter_mut().zip(outcomes).enumerate() {
-            if let packet::Outcome::Hit {
-                t,
-                outward,
-                strongest,
-            } = outcome
-            {
-                *answer = A::of(BlobHit {
-                    t: prepared.parameter(&rays[lane], lane, t),
-                    outward: glam::Vec3::from_array(outward).as_dvec3(),
-                    strongest,
-                    entering: true,
-                });
-            }
-            if outcome != packet::Outcome::Alone {
-                alone &= !(1 << lane);
-            }
-        }
-    }
-    if alone == 0 {
         return;
-    }
-    let outcomes = alone::trace(blobs, cells, (&prepared, alone), A::QUESTION, scratch);
-    for (lane, (answer, outcome)) in answers.iter_mut().zip(outcomes).enumerate() {
-        match outcome {
-            alone::Outcome::Miss => {}
-            alone::Outcome::Hit(hit) => {
-                *answer = A::of(BlobHit {
-                    t: prepared.parameter(&rays[lane], lane, hit.t),
-                    ..hit
-                });
+    };
+    let mut alone = std::mem::take(&mut scratch.cells.alone);
+    alone.clear();
+    // Which ray is where among those that go alone.
+    let mut lanes = [0; LANES];
+    if rays.len() < FEWEST_PREPARED {
+        for (lane, ray) in rays
+            .iter()
+            .enumerate()
+            .filter(|(_, ray)| ray.is_traceable())
+        {
+            scratch.counters.rays += 1;
+            if let Some(local) = local_ray(blobs, cells.bounds, ray) {
+                lanes[alone.len()] = lane;
+                alone.push(local);
             }
-            alone::Outcome::BeyondF32 => *answer = A::by_sweep(blobs, &rays[lane], scratch),
+        }
+    } else {
+        let mut prepared = scratch.cells.prepared.take().unwrap_or_default();
+        prepared.fill(blobs, cells, bounds, rays);
+        scratch.counters.rays += prepared.traceable;
+        let mut rest = prepared.present;
+        if packet::may_be_coherent(cells, rays) {
+            let any = A::QUESTION == Question::Any;
+            let outcomes = packet::trace(blobs, cells, &prepared, any, scratch);
+            for (lane, (answer, outcome)) in answers.iter_mut().zip(outcomes).enumerate() {
+                if let packet::Outcome::Hit {
+                    t,
+                    outward,
+                    strongest,
+                } = outcome
+                {
+                    *answer = A::of(BlobHit {
+                        t: prepared.parameter(&rays[lane], lane, t),
+                        outward: glam::Vec3::from_array(outward).as_dvec3(),
+                        strongest,
+                        entering: true,
+                    });
+                }
+                if outcome != packet::Outcome::Alone {
+                    rest &= !(1 << lane);
+                }
+            }
+        }
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            lanes[alone.len()] = lane;
+            alone.push(prepared.local(lane));
+        }
+        scratch.cells.prepared = Some(prepared);
+    }
+    if !alone.is_empty() {
+        let mut beyond_f32 = 0_u32;
+        let asked = (&*alone, A::QUESTION);
+        alone::trace(blobs, cells, asked, scratch, &mut |place, outcome| {
+            let lane = lanes[place];
+            match outcome {
+                alone::Outcome::Miss => {}
+                alone::Outcome::Hit(hit) => {
+                    answers[lane] = A::of(BlobHit {
+                        t: alone[place].parameter(&rays[lane], hit.t),
+                        ..hit
+                    });
+                }
+                alone::Outcome::BeyondF32 => beyond_f32 |= 1 << lane,
+            }
+        });
+        for (lane, ray) in rays.iter().enumerate() {
+            if beyond_f32 >> lane & 1 == 1 {
+                answers[lane] = A::by_sweep(blobs, ray, scratch);
+            }
         }
     }
+    scratch.cells.alone = alone;
 }
