@@ -26,27 +26,27 @@ pub(super) enum Outcome {
     BeyondF32,
 }
 
-/// Traces rays and tells `became` what became of each, by its place among them.
+/// Traces rays, each with its place among those that are asked, and tells `became` what became of each.
 pub(super) fn trace(
     blobs: &Blobs,
     cells: &Cells,
-    (rays, question): (&[LocalRay], Question),
+    (rays, question): (&[(usize, LocalRay)], Question),
     scratch: &mut Scratch,
-    became: &mut dyn FnMut(usize, Outcome),
+    became: &mut dyn FnMut(&(usize, LocalRay), Outcome),
 ) {
     let of = (blobs, cells);
     if cells.stored().moves() {
         specialised!(blobs, simd, K, P => simd.vectorize(
             #[inline(always)]
-            || for (place, ray) in rays.iter().enumerate() {
-                became(place, trace_one::<_, K, P, true>(simd, of, (ray, question), scratch));
+            || for ray in rays {
+                became(ray, trace_one::<_, K, P, true>(simd, of, (&ray.1, question), scratch));
             }
         ));
     } else {
         specialised!(blobs, simd, K, P => simd.vectorize(
             #[inline(always)]
-            || for (place, ray) in rays.iter().enumerate() {
-                became(place, trace_one::<_, K, P, false>(simd, of, (ray, question), scratch));
+            || for ray in rays {
+                became(ray, trace_one::<_, K, P, false>(simd, of, (&ray.1, question), scratch));
             }
         ));
     }

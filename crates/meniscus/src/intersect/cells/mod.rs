@@ -31,9 +31,10 @@ pub struct CellsScratch {
     active: Active,
     pending: Pending,
     packet: PacketScratch,
-    /// Rays that are asked together, and of these those that go alone; taken out while in use.
+    /// Rays that are asked together, and of these, each with its place, those that go alone; taken out
+    /// while in use.
     prepared: Option<Box<Prepared>>,
-    alone: Vec<LocalRay>,
+    alone: Vec<(usize, LocalRay)>,
     unpacked: Unpacked,
     /// Leaves with blobs too small for f32 that single rays have visited so far.
     pub(super) fine_leaves: u64,

@@ -4,8 +4,9 @@ use super::{alone, packet};
 use crate::accel::cells::layout::LANES;
 use crate::accel::cells::{Cells, TimedCells};
 use crate::frame::Blobs;
-use crate::intersect::solve::{Question, local_ray};
+use crate::intersect::solve::{LocalRay, Question, local_ray};
 use crate::intersect::{BlobHit, Scratch, sweep};
+use crate::math::aabb::Aabb;
 use crate::math::ray::Ray;
 
 /// Fewer rays are clipped one by one.
@@ -136,76 +137,92 @@ fn answer_few<A: Answer>(
     };
     let mut alone = std::mem::take(&mut scratch.cells.alone);
     alone.clear();
-    // Which ray is where among those that go alone.
-    let mut lanes = [0; LANES];
     if rays.len() < FEWEST_PREPARED {
-        for (lane, ray) in rays
-            .iter()
-            .enumerate()
-            .filter(|(_, ray)| ray.is_traceable())
-        {
-            scratch.counters.rays += 1;
-            if let Some(local) = local_ray(blobs, cells.bounds, ray) {
-                lanes[alone.len()] = lane;
-                alone.push(local);
+        for (lane, ray) in rays.iter().enumerate() {
+            if ray.is_traceable() {
+                scratch.counters.rays += 1;
+                let local = local_ray(blobs, cells.bounds, ray);
+                alone.extend(local.map(|local| (lane, local)));
             }
         }
     } else {
-        let mut prepared = scratch.cells.prepared.take().unwrap_or_default();
-        prepared.fill(blobs, cells, bounds, rays);
-        scratch.counters.rays += prepared.traceable;
-        let mut rest = prepared.present;
-        if packet::may_be_coherent(cells, rays) {
-            let any = A::QUESTION == Question::Any;
-            let outcomes = packet::trace(blobs, cells, &prepared, any, scratch);
-            for (lane, (answer, outcome)) in answers.iter_mut().zip(outcomes).enumerate() {
-                if let packet::Outcome::Hit {
-                    t,
-                    outward,
-                    strongest,
-                } = outcome
-                {
-                    *answer = A::of(BlobHit {
-                        t: prepared.parameter(&rays[lane], lane, t),
-                        outward: glam::Vec3::from_array(outward).as_dvec3(),
-                        strongest,
-                        entering: true,
-                    });
-                }
-                if outcome != packet::Outcome::Alone {
-                    rest &= !(1 << lane);
-                }
-            }
-        }
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % LANES;
-            rest &= rest - 1;
-            lanes[alone.len()] = lane;
-            alone.push(prepared.local(lane));
-        }
-        scratch.cells.prepared = Some(prepared);
+        answer_coherent(blobs, (cells, bounds), rays, answers, scratch, &mut alone);
     }
     if !alone.is_empty() {
-        let mut beyond_f32 = 0_u32;
-        let asked = (&*alone, A::QUESTION);
-        alone::trace(blobs, cells, asked, scratch, &mut |place, outcome| {
-            let lane = lanes[place];
-            match outcome {
-                alone::Outcome::Miss => {}
-                alone::Outcome::Hit(hit) => {
-                    answers[lane] = A::of(BlobHit {
-                        t: alone[place].parameter(&rays[lane], hit.t),
-                        ..hit
-                    });
-                }
-                alone::Outcome::BeyondF32 => beyond_f32 |= 1 << lane,
-            }
-        });
-        for (lane, ray) in rays.iter().enumerate() {
-            if beyond_f32 >> lane & 1 == 1 {
-                answers[lane] = A::by_sweep(blobs, ray, scratch);
-            }
-        }
+        answer_alone(blobs, cells, (rays, &alone), answers, scratch);
     }
     scratch.cells.alone = alone;
+}
+
+/// Answers for the rays of up to sixteen that go together; the others, each with its place, go to `alone`.
+fn answer_coherent<A: Answer>(
+    blobs: &Blobs,
+    (cells, bounds): (&Cells, &Aabb),
+    rays: &[Ray],
+    answers: &mut [A],
+    scratch: &mut Scratch,
+    alone: &mut Vec<(usize, LocalRay)>,
+) {
+    let mut prepared = scratch.cells.prepared.take().unwrap_or_default();
+    prepared.fill(blobs, cells, bounds, rays);
+    scratch.counters.rays += prepared.traceable;
+    let outcomes = if packet::may_be_coherent(cells, rays) {
+        let any = A::QUESTION == Question::Any;
+        packet::trace(blobs, cells, &prepared, any, scratch)
+    } else {
+        [packet::Outcome::Alone; LANES]
+    };
+    for (lane, (answer, outcome)) in answers.iter_mut().zip(outcomes).enumerate() {
+        match outcome {
+            packet::Outcome::Miss => {}
+            packet::Outcome::Hit {
+                t,
+                outward,
+                strongest,
+            } => {
+                *answer = A::of(BlobHit {
+                    t: prepared.parameter(&rays[lane], lane, t),
+                    outward: glam::Vec3::from_array(outward).as_dvec3(),
+                    strongest,
+                    entering: true,
+                });
+            }
+            packet::Outcome::Alone if prepared.present >> lane & 1 == 1 => {
+                alone.push((lane, prepared.local(lane)));
+            }
+            packet::Outcome::Alone => {}
+        }
+    }
+    scratch.cells.prepared = Some(prepared);
+}
+
+/// Answers for rays one by one.
+fn answer_alone<A: Answer>(
+    blobs: &Blobs,
+    cells: &Cells,
+    (rays, alone): (&[Ray], &[(usize, LocalRay)]),
+    answers: &mut [A],
+    scratch: &mut Scratch,
+) {
+    let mut beyond_f32 = 0_u32;
+    let asked = (alone, A::QUESTION);
+    alone::trace(
+        blobs,
+        cells,
+        asked,
+        scratch,
+        &mut |(lane, local), outcome| match outcome {
+            alone::Outcome::Miss => {}
+            alone::Outcome::Hit(hit) => {
+                let t = local.parameter(&rays[*lane], hit.t);
+                answers[*lane] = A::of(BlobHit { t, ..hit });
+            }
+            alone::Outcome::BeyondF32 => beyond_f32 |= 1 << lane,
+        },
+    );
+    for (lane, ray) in rays.iter().enumerate() {
+        if beyond_f32 >> lane & 1 == 1 {
+            answers[lane] = A::by_sweep(blobs, ray, scratch);
+        }
+    }
 }
