@@ -286,9 +286,9 @@ fn place_of(field: &BlobField, span: Span) -> Place {
 fn default_rule(field: &BlobField) -> BuildRule {
     if matches!(field.shapes, Shapes::Ellipsoids(_)) {
         return BuildRule {
-            few_blobs: 128,
-            few_side: 4.0,
-            smallest_side: 1.5,
+            few_blobs: 192,
+            few_side: 6.0,
+            smallest_side: 1.0,
             deep: f32::INFINITY,
         };
     }
@@ -298,15 +298,15 @@ fn default_rule(field: &BlobField) -> BuildRule {
         / field.len() as f64;
     if supports > 1.5 * f64::from(field.spacing) {
         BuildRule {
-            few_blobs: 128,
-            few_side: 2.0,
+            few_blobs: 256,
+            few_side: 3.0,
             smallest_side: 0.35,
             deep: 1.5,
         }
     } else {
         BuildRule {
-            few_blobs: 64,
-            few_side: 4.0,
+            few_blobs: 96,
+            few_side: 8.0,
             smallest_side: 1.0,
             deep: f32::INFINITY,
         }

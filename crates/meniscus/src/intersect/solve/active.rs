@@ -110,3 +110,50 @@ impl Active {
         (from, leave.reduce_max().min(length).max(from))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two surfaces of one picture take turns in the same arrays.
+    #[test]
+    fn what_blobs_have_in_common_is_that_of_the_leaf_at_hand() {
+        let mut active = Active::default();
+        for common in [
+            [Some(2.0), Some(1.0)],
+            [Some(8.0), Some(1.0)],
+            [None, Some(3.0)],
+            [Some(8.0), None],
+            [Some(2.0), Some(1.0)],
+        ] {
+            let room = active.room(5, common);
+            if common[0].is_none() {
+                room.beta.fill(0.5);
+            }
+            if common[1].is_none() {
+                room.weight.fill(-1.0);
+            }
+            active.finish(5);
+            assert!(
+                active.beta[..5]
+                    .iter()
+                    .all(|&b| b == common[0].unwrap_or(0.5))
+            );
+            assert!(
+                active.weight[..5]
+                    .iter()
+                    .all(|&w| w == common[1].unwrap_or(-1.0))
+            );
+        }
+    }
+
+    #[test]
+    fn lanes_behind_the_last_blob_hold_nothing_of_the_leaf_before() {
+        let mut active = Active::default();
+        active.room(40, [None; 2]).g0.fill(1.0);
+        active.finish(40);
+        active.room(3, [None; 2]);
+        active.finish(3);
+        assert_eq!(active.g0[3..3 + LANES], [0.0; LANES]);
+    }
+}
