@@ -58,13 +58,20 @@ fn work_per_ray_is_close_to_that_of_equal_radii() {
     let spread = work(field(|u| {
         largest * 10_f64.powf(-6.0 * (2.0 * u - 1.0).max(0.0))
     }));
-    for (what, spread, equal) in [
-        ("nodes", spread.nodes, equal.nodes),
-        ("leaves", spread.leaves, equal.leaves),
-        ("blobs", spread.blob_evaluations, equal.blob_evaluations),
+    // Leaves are as large as their smallest blob allows, so small blobs take more nodes and leaves, each
+    // with fewer blobs.
+    for (what, limit, spread, equal) in [
+        ("nodes", 2.5, spread.nodes, equal.nodes),
+        ("leaves", 2.0, spread.leaves, equal.leaves),
+        (
+            "blobs",
+            1.0,
+            spread.blob_evaluations,
+            equal.blob_evaluations,
+        ),
     ] {
         let ratio = spread as f64 / equal as f64;
         println!("{what}: {spread} against {equal}, {ratio:.2}");
-        assert!(ratio < 2.0, "{what}: {ratio:.2} times the work");
+        assert!(ratio < limit, "{what}: {ratio:.2} times the work");
     }
 }
