@@ -3,7 +3,7 @@
 use super::coarse::CoarseBox;
 use super::filter::{self, FieldBounds, filter};
 use super::layout::{Block, Columns, DEEP};
-use super::leaf::finish_leaf;
+use super::leaf::{FINEST_PART, finish_leaf};
 use super::list::BlobList;
 use super::moving::{self, drift, pieces_for};
 use super::place::Place;
@@ -16,12 +16,12 @@ use fearless_simd::Simd;
 use glam::Vec3;
 
 /// When a cell is small enough, and how hard leaves are trimmed. Lengths are in support radii of
-/// the leaf's own smallest blob.
+/// the leaf's own smallest blob unless they say otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BuildRule {
     /// A cell of at most this many blobs and below `few_side` is a leaf.
     pub few_blobs: usize,
-    /// See `few_blobs`.
+    /// See `few_blobs`; in radii of the largest of unlike balls, as far as the smallest allows.
     pub few_side: f32,
     /// A cell below this side is a leaf however many blobs it has.
     pub smallest_side: f32,
@@ -32,6 +32,10 @@ pub struct BuildRule {
 
 /// Splits in a row, one per axis, that may leave both children's lists as long as the parent's.
 pub(super) const STALLED_SPLITS: u32 = 3;
+
+/// Leaves of few unlike balls are below this side, in supports of the smallest, so that none is left to
+/// float64.
+const FINE_SIDE: f32 = FINEST_PART - 4.0;
 
 /// Cells below this side, in supports, try bounds of second order.
 const CLOSE_SIDE: f32 = 2.0;
@@ -118,15 +122,31 @@ fn smallest_support<P: Primitive>(list: &BlobList) -> f32 {
     support_from::<P>(-list.smallest_of_shapes::<P>(|shape| -steepness_of::<P>(shape)))
 }
 
-/// The length by which leaves are measured: the smallest support, widened by how the blob moves against
-/// the cell.
-fn leaf_scale<S: Simd, P: Primitive>(simd: S, list: &BlobList, cell: &Place) -> f32 {
-    if !list.stored.moves() {
-        return smallest_support::<P>(list);
+/// The lengths by which leaves are measured: the smallest support and the largest, each widened by how the
+/// blob moves against the cell.
+fn leaf_scales<S: Simd, P: Primitive>(simd: S, list: &BlobList, cell: &Place) -> [f32; 2] {
+    if list.stored.moves() {
+        return moving::leaf_scales::<S, P>(simd, list, cell, |shape| {
+            support_from::<P>(steepness_of::<P>(shape))
+        });
     }
-    moving::leaf_scale::<S, P>(simd, list, cell, |shape| {
-        support_from::<P>(steepness_of::<P>(shape))
-    })
+    let smallest = smallest_support::<P>(list);
+    if list.stored.shape.is_some() {
+        return [smallest; 2];
+    }
+    let least_steep = list.smallest_of_shapes::<P>(steepness_of::<P>);
+    [smallest, support_from::<P>(least_steep)]
+}
+
+/// The side below which few blobs are a leaf. Among balls of unlike radii it is the largest that fills it,
+/// and smaller leaves would only repeat it; but the smallest must not become too small for f32.
+fn few_side<P: Primitive>(list: &BlobList, [smallest, largest]: [f32; 2], rule: &BuildRule) -> f32 {
+    let by_smallest = rule.few_side * smallest;
+    if P::BETA_TURNS || list.stored.shape.is_some() {
+        return by_smallest;
+    }
+    let fine = FINE_SIDE * smallest_support::<P>(list);
+    by_smallest.max((rule.few_side * largest).min(fine))
 }
 
 /// Whether a half of `cell` is small enough for bounds of second order.
@@ -161,7 +181,8 @@ fn next_step<S: Simd, K: KernelShape, P: Primitive>(
     (stalled, depth): (u32, u32),
     context: &BuildContext,
 ) -> Step {
-    let support = leaf_scale::<S, P>(simd, list, cell);
+    let scales = leaf_scales::<S, P>(simd, list, cell);
+    let support = scales[0];
     let middle = cell.middle();
     let side = middle.size().max_element();
     let rule = &context.rule;
@@ -173,10 +194,9 @@ fn next_step<S: Simd, K: KernelShape, P: Primitive>(
     {
         return Step::Finish;
     }
-    let few_side = rule.few_side * support;
-    if seems_deep::<S, K, P>(simd, list, middle, few_side, context) {
+    if seems_deep::<S, K, P>(simd, list, middle, rule.few_side * support, context) {
         Step::PutOff
-    } else if side < few_side && list.count <= rule.few_blobs {
+    } else if list.count <= rule.few_blobs && side < few_side::<P>(list, scales, rule) {
         Step::Finish
     } else {
         Step::Split

@@ -15,7 +15,7 @@ use fearless_simd::Simd;
 const SHAVES: [f32; 3] = [0.125, 0.25, 0.5];
 
 /// Supports below the leaf's size over this are left to float64.
-const FINEST_PART: f32 = 64.0;
+pub(super) const FINEST_PART: f32 = 64.0;
 
 /// So many rounding margins count as size of a leaf: boxes are entered and rays start no more exactly.
 const MARGIN_PARTS: f32 = 512.0;

@@ -106,14 +106,14 @@ pub(super) fn pieces_for<S: Simd, P: Primitive>(
 /// be crossed by more blobs.
 const SIZE_OF_WAY: f32 = 0.5;
 
-/// The smallest support of the blobs of `list`, each widened by how it moves against `place`: what leaves
-/// are measured by. `support_of` takes a shape.
-pub(super) fn leaf_scale<S: Simd, P: Primitive>(
+/// The smallest and the largest support of the blobs of `list`, each widened by how it moves against
+/// `place`: what leaves are measured by. `support_of` takes a shape.
+pub(super) fn leaf_scales<S: Simd, P: Primitive>(
     simd: S,
     list: &BlobList,
     place: &Place,
     support_of: impl Fn(&[f32]) -> f32,
-) -> f32 {
+) -> [f32; 2] {
     let drift = place.drift().to_array();
     let common = list.stored.shape.map(|shape| support_of(&shape));
     simd.vectorize(
@@ -121,7 +121,8 @@ pub(super) fn leaf_scale<S: Simd, P: Primitive>(
         || {
             let drift: [f32x16<S>; 3] = splat3(simd, drift);
             let none = f32x16::splat(simd, f32::INFINITY);
-            let mut least = none;
+            let zero = f32x16::splat(simd, 0.0);
+            let (mut least, mut most) = (none, zero);
             for at in (0..list.count).step_by(LANES) {
                 let ways = Ways::new::<P>(simd, list, drift, at);
                 let mut way = dot(ways.velocity, ways.velocity).sqrt();
@@ -136,8 +137,9 @@ pub(super) fn leaf_scale<S: Simd, P: Primitive>(
                 }
                 let scale = way * (2.0 * SIZE_OF_WAY) + f32x16::from_slice(simd, &supports);
                 least = ways.is_blob.select(scale, none).min(least);
+                most = ways.is_blob.select(scale, zero).max(most);
             }
-            least.reduce_min()
+            [least.reduce_min(), most.reduce_max()]
         },
     )
 }

@@ -4,6 +4,7 @@
 use super::Cells;
 use super::moving::{Unrest, way_spacings};
 use crate::field::{BlobField, Motion, Span};
+use crate::primitive::Shapes;
 use crate::scene::Leaves;
 use rayon::prelude::*;
 
@@ -13,8 +14,9 @@ pub struct TimedCells {
     slabs: Vec<Cells>,
 }
 
-/// Most slabs where no number is asked for.
-const MOST_OF_THEIR_OWN: u32 = 4;
+/// How many slabs there may be where no number is asked for. Ellipsoids are in many leaves of each slab.
+const FOR_BALLS: &[u32] = &[2, 4];
+const FOR_ELLIPSOIDS: &[u32] = &[2];
 
 /// Several slabs pay where blobs move no farther than this in one of them, in spacings: for rays side by
 /// side, which then still meet the same cells.
@@ -34,8 +36,13 @@ impl TimedCells {
         }
         let whole = field.motion.as_ref().map(Motion::whole)?;
         let way = way_spacings(field, whole);
-        [2, MOST_OF_THEIR_OWN]
-            .into_iter()
+        let numbers = match field.shapes {
+            Shapes::Balls(_) => FOR_BALLS,
+            Shapes::Ellipsoids(_) => FOR_ELLIPSOIDS,
+        };
+        numbers
+            .iter()
+            .copied()
             .find(|&slabs| unrest.within(slabs) <= 1.0 && way <= WAY_SPACINGS * slabs as f32)
     }
 

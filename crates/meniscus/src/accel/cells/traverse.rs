@@ -69,6 +69,12 @@ impl Octant {
         }
     }
 
+    /// Whether child `slot` comes before child `other`.
+    #[inline(always)]
+    fn comes_first(&self, node: &Node, slot: usize, other: usize) -> bool {
+        (node.before[self.row][other] >> slot & 1 == 1) != self.reversed
+    }
+
     /// Where child `slot` of the `pierced` ones belongs on a stack whose top is the nearest.
     #[inline(always)]
     pub fn height(&self, node: &Node, pierced: u32, slot: usize) -> usize {
@@ -254,21 +260,35 @@ pub fn visit_leaves<'a, S: Simd, const MOVES: bool>(
                 // The nearest goes on without the stack: what was just written could not be read back
                 // at once.
                 let top = pierced.count_ones() as usize - 1;
-                let mut nearest = 0;
-                let mut rest = pierced;
-                loop {
-                    let slot = rest.trailing_zeros() as usize & 7;
-                    let height = octant.height(node, pierced, slot);
-                    visits[(depth + height) % STACK] = Visit {
-                        reference: node.children[slot],
-                        near: near[slot],
-                        far: far[slot],
+                let mut nearest = pierced.trailing_zeros() as usize & 7;
+                if top < 2 {
+                    // No branch that depends on the order, nor on whether there are one or two.
+                    let last = (7 - (pierced as u8).leading_zeros() as usize) & 7;
+                    let swap = octant.comes_first(node, last, nearest);
+                    let other = if swap { nearest } else { last };
+                    nearest = if swap { last } else { nearest };
+                    visits[depth % STACK] = Visit {
+                        reference: node.children[other],
+                        near: near[other],
+                        far: far[other],
                         level: current.level,
                     };
-                    nearest = if height == top { slot } else { nearest };
-                    rest &= rest - 1;
-                    if rest == 0 {
-                        break;
+                } else {
+                    let mut rest = pierced;
+                    loop {
+                        let slot = rest.trailing_zeros() as usize & 7;
+                        let height = octant.height(node, pierced, slot);
+                        visits[(depth + height) % STACK] = Visit {
+                            reference: node.children[slot],
+                            near: near[slot],
+                            far: far[slot],
+                            level: current.level,
+                        };
+                        nearest = if height == top { slot } else { nearest };
+                        rest &= rest - 1;
+                        if rest == 0 {
+                            break;
+                        }
                     }
                 }
                 current.reference = node.children[nearest];

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// Cells of balls that move more than this against each other, in supports, are crossed by too many of
 /// them to pay; and those of ellipsoids, whose leaves are large as it is.
 const COHERENT_BALLS: f64 = 0.3;
-const COHERENT_ELLIPSOIDS: f64 = 0.1;
+const COHERENT_ELLIPSOIDS: f64 = 0.15;
 
 /// How much blobs move against their neighbours.
 #[derive(Debug, Clone, Copy)]
